@@ -8,7 +8,7 @@ use workbench::Session;
 use crate::failure::Failure;
 use crate::progress::with_progress;
 
-/// Where the result is written.
+/// The place to which the result is written.
 #[derive(Args)]
 pub struct JsonOutput {
     /// Write everything that the text says to FILE as JSON ("-": standard output, instead of text)

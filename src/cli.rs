@@ -99,7 +99,7 @@ impl Command {
         }
     }
 
-    /// Where the command's result goes.
+    /// The place to which the command's result is written.
     pub fn output(&self) -> &JsonOutput {
         match self {
             Command::Demo(arguments) => &arguments.output,
@@ -119,7 +119,7 @@ impl Command {
             Command::Generate(arguments) => &arguments.output,
             Command::Prove(arguments) => &arguments.output,
             Command::Mutate(arguments) => &arguments.output,
-            // Its result is the page.
+            // The lab writes no JSON: its result is the page.
             Command::Lab(_) => &JsonOutput { json: None },
             Command::Report(arguments) => &arguments.output,
             Command::Exam(arguments) => &arguments.output,

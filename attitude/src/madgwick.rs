@@ -39,12 +39,12 @@
 //! rate is not a special case.
 //!
 //! # The magnetometer for the heading alone
-//! In [`Madgwick::step_marg`] a magnetic disturbance, such as the field of a motor, tilts the estimate. Madgwick's thesis
-//! (S. O. H. Madgwick, "AHRS algorithms and calibration solutions to facilitate new applications using low-cost MEMS",
-//! PhD thesis, University of Bristol, 2014) uses the magnetometer for the heading alone. [`Madgwick::turn_to_north`]
-//! does that after a six-axis step: with the measured field of length 1 in the estimated earth frame, h = q ⊗ m ⊗ q*,
-//! the estimate is turned about the vertical by −h_y, or by the largest turn where north lies behind (h_x ≤ 0). The
-//! largest turn is 2 β T. The emitted filter does the same.
+//! In [`Madgwick::step_marg`] a magnetic disturbance, such as the field of a motor, tilts the estimate. Madgwick's
+//! thesis (S. O. H. Madgwick, "AHRS algorithms and calibration solutions to facilitate new applications using low-cost
+//! MEMS", PhD thesis, University of Bristol, 2014) uses the magnetometer for the heading alone.
+//! [`Madgwick::turn_to_north`] does that after a six-axis step: with the measured field of length 1 in the estimated
+//! earth frame, h = q ⊗ m ⊗ q*, the estimate is turned about the vertical by −h_y, or by the largest turn where north
+//! lies behind (h_x ≤ 0). The largest turn is 2 β T. The emitted filter does the same.
 
 use crate::pivot_angle::up_in_sensor;
 use nalgebra::{Quaternion, Vector3, Vector4};
@@ -109,8 +109,8 @@ impl Madgwick {
         self.integrate(rate, &half_gradient);
     }
 
-    /// As [`Madgwick::step_imu`]; returns vec(q* ⊗ ∇/‖∇‖) before the step, half of Madgwick's ω_ε
-    /// (eq. 47). It is zero if no correction is made.
+    /// One six-axis step like [`Madgwick::step_imu`]. Returns vec(q* ⊗ ∇/‖∇‖) before the step, which is half of
+    /// Madgwick's ω_ε (eq. 47) and zero if no correction is made.
     pub fn step_imu_with_error(
         &mut self,
         rate: &Vector3<f64>,

@@ -4,7 +4,7 @@
 //! - An accelerometer or magnetometer reading with any axis at or beyond a limit of its range
 //!   (counts that the sensor's part states) is not used, because the true value is unknown.
 //! - An accelerometer vector shorter than g/8 (after the lever-arm correction) is not used:
-//!   near free fall, its direction is that of bias and noise. The zero vector is a case of this.
+//!   near free fall, bias and noise determine its direction. This excludes the zero vector, too.
 //! - A magnetometer vector shorter than the stated field is not used, nor one whose horizontal
 //!   part in the estimated frame is below [`crate::madgwick::HORIZONTAL_FIELD_MIN`] of it.
 //! - Without a usable accelerometer reading, the step integrates the gyroscope only. Without a usable

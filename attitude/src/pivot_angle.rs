@@ -34,7 +34,7 @@ pub fn pivot_angle_of_gravity(up: &Vector3<f64>, mounting_angle_rad: f64) -> f64
     wrap_angle((-up.y).atan2(up.x) - mounting_angle_rad)
 }
 
-/// The same angle in [−π, π).
+/// The angle wrapped to [−π, π), rad.
 pub fn wrap_angle(angle_rad: f64) -> f64 {
     let wrapped = (angle_rad + PI).rem_euclid(TAU) - PI;
     // rem_euclid may round up to τ itself.

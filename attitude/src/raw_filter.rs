@@ -48,8 +48,8 @@ impl RawFilter {
         }
     }
 
-    /// As [`RawFilter::update_imu`], with an estimate of the gyroscope's drift that is subtracted (Madgwick 2010,
-    /// eq. 47 to 49): b ← b + ζ T ω_ε with ζ = β divided by `drift_time_s`.
+    /// One step with gyroscope and accelerometer that also estimates the gyroscope's drift b and subtracts it (Madgwick
+    /// 2010, eq. 47 to 49): b ← b + ζ T ω_ε, where ζ is β divided by `drift_time_s`.
     pub fn update_imu_tracked(&mut self, gyro: [i16; 3], accel: [i16; 3]) {
         let rate = self.spec.gyro.apply(gyro) - self.drift_rad_s;
         let error = match self.gravity(accel, rate.z) {
@@ -70,14 +70,15 @@ impl RawFilter {
         self.drift_rad_s
     }
 
-    /// As [`RawFilter::update_imu_tracked`], then turned about the vertical towards magnetic north.
+    /// One step with gyroscope, accelerometer and estimate of the drift, then a turn about the vertical towards
+    /// magnetic north.
     pub fn update_marg(&mut self, gyro: [i16; 3], accel: [i16; 3], mag: [i16; 3]) {
         self.update_imu_tracked(gyro, accel);
         self.turn_to_north(mag);
     }
 
-    /// The part of [`RawFilter::update_marg`] that the magnetometer does: a turn about the vertical towards north, by at
-    /// most 2 β T; none if the reading cannot be used.
+    /// The part of [`RawFilter::update_marg`] that the magnetometer does: a turn about the vertical towards north, by
+    /// at most 2 β T; none if the reading cannot be used.
     pub fn turn_to_north(&mut self, mag: [i16; 3]) {
         if let Some(field) = self.field(mag) {
             self.filter.turn_to_north(&field);

@@ -50,9 +50,9 @@ pub struct AttitudeSpec {
     pub mag: SensorLine,
     /// Count of the gyroscope's axes at or beyond which (in either direction) the true rate is unknown.
     pub gyro_clip: [i32; 3],
-    /// The same for the accelerometer.
+    /// Count of the accelerometer's axes at or beyond which the true value is unknown.
     pub accel_clip: [i32; 3],
-    /// The same for the magnetometer.
+    /// Count of the magnetometer's axes at or beyond which the true value is unknown.
     pub mag_clip: [i32; 3],
     /// Field below which the magnetometer is not used, µT.
     pub field_min_ut: f64,
@@ -74,7 +74,7 @@ impl AttitudeSpec {
         AttitudeSpec {
             sample_time_s: 1e-3,
             beta_rad_s: 0.033,
-            // Long against a push (a second), short against warming up (minutes).
+            // Longer than a push (a second), shorter than the warming up of the sensor (minutes).
             drift_time_s: 60.0,
             // The largest bias that data sheets allow without calibration.
             drift_limit_rad_s: 5_f64.to_radians(),

@@ -1,6 +1,6 @@
-//! Which way is positive: signs and axes of sensors and motor from four short recordings of raw counts.
+//! Bring-up: signs and axes of sensors and motor from four short recordings of raw counts.
 //!
-//! The physics, which holds whatever the scales:
+//! Three facts of physics, which hold for any scale of the sensors, decide:
 //! - a body that hangs still reads one g upwards, against its x axis (x points from the pivot to the centre of
 //!   mass): x = −a/‖a‖ in the sensor's frame;
 //! - turned by α > 0 about z, upwards turns by −α in the body's frame, so that z points along −(a × a′), and the
@@ -12,15 +12,15 @@ use nalgebra::{Matrix3, Vector3};
 /// Raw counts over time.
 #[derive(Clone, Copy, Debug)]
 pub struct Recording<'a> {
-    /// Instants, s.
+    /// Time of each sample, s.
     pub time_s: &'a [f64],
-    /// Gyroscope.
+    /// Gyroscope x, y, z, counts.
     pub gyro: &'a [[f64; 3]],
-    /// Accelerometer.
+    /// Accelerometer x, y, z, counts.
     pub accel: &'a [[f64; 3]],
     /// Word of the wheel's sensor.
     pub wheel: &'a [f64],
-    /// Duty.
+    /// Duty, counts.
     pub duty: &'a [f64],
 }
 
@@ -32,12 +32,12 @@ pub enum Doubt {
     Moved {
         /// The recording.
         recording: &'static str,
-        /// By how much.
+        /// Angle between the body's mean directions in the first and in the last quarter.
         by_rad: f64,
     },
     /// The body turns too little, or too far, from hanging (rad).
     NotTilted {
-        /// By how much.
+        /// Its turn from hanging.
         by_rad: f64,
     },
     /// The recording of the tilt begins with the body tilted, so that the gyroscope sees no turn.
@@ -69,7 +69,7 @@ pub const TILT_MIN_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 const TILT_MAX_RAD: f64 = 150.0 * std::f64::consts::PI / 180.0;
 /// Largest turn of a body that counts as being at rest, rad: 5°.
 const STILL_MAX_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
-/// A change counts from this many standard deviations of the noise on, which chance exceeds once in 10⁹.
+/// A change counts if it exceeds this many standard deviations of the noise; noise alone does so once in 10⁹ cases.
 const SIGMAS: f64 = 6.0;
 
 /// The result of the recordings `hanging` and `tilted`.
@@ -79,13 +79,13 @@ pub struct TiltShows {
     pub gravity_counts: f64,
     /// Angle from hanging to tilted according to the accelerometer, rad.
     pub tilt_rad: f64,
-    /// From the accelerometer's axes to the body's; its rows are the body's axes.
+    /// The rotation from the accelerometer's axes to the body's; its rows are the body's axes in the sensor's frame.
     pub body_from_accelerometer: Option<Matrix3<f64>>,
-    /// The turn of the tilt as the gyroscope saw it.
+    /// The turn from hanging to tilted according to the gyroscope.
     pub gyroscope: Option<Turned>,
 }
 
-/// A turn as the gyroscope saw it.
+/// A turn according to the gyroscope.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turned {
     /// The pivot axis z in the gyroscope's frame.
@@ -162,7 +162,8 @@ fn turn(rest: &Recording, moving: &Recording) -> (Vector3<f64>, f64) {
         sum += (0.5 * both - bias) * (pair[1] - pair[0]);
     }
     let duration = moving.time_s.last().unwrap_or(&0.0) - moving.time_s[0];
-    // Two parts: the noise of the summed samples, and the error of the bias that is subtracted in every sample.
+    // The variance has two parts: the noise of the summed samples, and the error of the bias that every sample has in
+    // common.
     let samples = moving.time_s.len() as f64;
     let noise = variance * (1.0 / samples + 1.0 / rest.gyro.len() as f64);
     (sum, duration * noise.sqrt())
@@ -197,10 +198,11 @@ fn wrapped(difference: f64, turn: f64) -> f64 {
     difference - turn * (difference / turn).round()
 }
 
-/// The sense in which the counts of an encoder on the pivot rise: that of a tilt towards positive α.
+/// The sign of the change of an encoder's counts while the body is tilted towards positive α. `turn` is the number of
+/// counts after which the count starts again at zero.
 ///
 /// # Errors
-/// The doubt, where it is not tilted far enough.
+/// [`Doubt::NotTilted`] if the body is tilted by less than [`TILT_MIN_RAD`].
 pub fn encoder_sign(tilted: &[f64], turn: f64, counts_per_turn: f64) -> Result<f64, Doubt> {
     let counts: f64 = tilted
         .windows(2)
@@ -233,7 +235,7 @@ pub fn motor_signs(
 ) -> (MotorSigns, Vec<Doubt>) {
     let mut doubts = Vec::new();
     let mut signs = MotorSigns::default();
-    // At rest, with the noise of the converter and half a count.
+    // Speed and noise of the wheel's word at rest; the noise is at least half a count.
     let rest = word.speeds(hanging);
     let at_rest = middle(&rest);
     let noise = deviation(&rest).max(0.5 * count_of(word, hanging));
@@ -259,7 +261,7 @@ pub fn motor_signs(
     };
     let step = (current_step.duty[stepped] - before).signum();
     signs.duty_step = Some(step);
-    // What the wheel does while this duty lasts.
+    // The number of samples for which the changed duty lasts, and the wheel's speeds in this time.
     let lasts = current_step.duty[stepped..]
         .iter()
         .take_while(|duty| (*duty - before) * step > 0.0)

@@ -3,8 +3,8 @@
 /// The reason why a recording gives no calibration.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
-    /// Not enough data.
-    #[error("{what}: {found} given, at least {needed} needed")]
+    /// Fewer data than the calibration needs.
+    #[error("{what}: there are {found}, and at least {needed} are needed")]
     TooFew {
         /// The kind of data that is missing.
         what: &'static str,
@@ -32,7 +32,7 @@ pub enum CalibrationError {
         axis: &'static str,
         /// Largest distance of a part's mean from the median, counts.
         wander: f64,
-        /// The same in °/s.
+        /// This distance as a rate, °/s.
         rate_deg_s: f64,
         /// Standard deviation that noise alone gives such a mean, counts.
         noise: f64,

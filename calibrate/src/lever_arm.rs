@@ -24,8 +24,8 @@ use crate::sensor_calibration::SensorCalibration;
 use attitude::{SensorLine, WORD_CLIP, is_saturated};
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 
-/// Half of the smoothing window, s. A pendulum at 10 rad/s moves by a fifth of a radian of its oscillation in this
-/// time, and the error of a cubic is then below 1e-5.
+/// Half of the smoothing window, s. In this time, the phase of a swing of 10 rad/s changes by 0.2 rad, and the relative
+/// error of a cubic is then below 1e-5.
 const WINDOW_S: f64 = 0.02;
 
 /// Number of stretches for the standard errors.
@@ -50,7 +50,7 @@ pub struct LeverArmEstimate {
     /// Scale error s of the gyroscope about the pivot axis: the true rate is (1 + s) times
     /// the calibrated one.
     pub gyro_scale_error: f64,
-    /// Its standard error.
+    /// Standard error of the scale error.
     pub gyro_scale_error_std: f64,
     /// Standard deviation of the residual of the reading, m/s².
     pub residual_std_m_s2: f64,
@@ -121,7 +121,7 @@ pub fn lever_arm(
     };
     let undetermined = CalibrationError::NotDetermined {
         what: "the lever arm",
-        why: "the swing does not distinguish it from gravity",
+        why: "the acceleration of the swing cannot be told from gravity",
         cure: "record a free swing from 45° or more, of 10 s or longer",
     };
     let Some(found) = fit_with(&accel.line, rest.mean) else {
@@ -288,7 +288,7 @@ fn finished(
         }
         scatter += score * score.transpose();
     }
-    // The scores of all stretches sum to zero for every unknown.
+    // At the minimum, the scores of all stretches sum to zero for every unknown.
     let blocks = BLOCKS as f64;
     let enlarged = scatter * (blocks / (blocks - UNKNOWNS as f64));
     let variance = (inverse * enlarged * inverse).diagonal();

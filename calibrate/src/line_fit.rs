@@ -10,15 +10,15 @@ pub struct LineFit {
     pub left_out: Vec<LeftOut>,
     /// Unit of y per unit of x.
     pub slope: f64,
-    /// Its standard error.
+    /// Standard error of the slope.
     pub slope_std: f64,
-    /// y at x = 0.
+    /// y at x = 0, in the unit of y.
     pub offset: f64,
-    /// Its standard error. It is correlated with that of the slope unless the mean of x is zero.
+    /// Standard error of the offset. The errors of offset and slope are correlated unless the mean of x is zero.
     pub offset_std: f64,
-    /// Correlation of the errors of slope and offset.
+    /// Correlation of the errors of slope and offset, −1 to 1.
     pub correlation: f64,
-    /// y minus the line at each point.
+    /// y minus the line at each point, in the unit of y.
     pub residuals: Vec<f64>,
     /// Standard deviation of the residuals, with n − 2 degrees of freedom.
     pub residual_std: f64,
@@ -34,18 +34,18 @@ impl LineFit {
 /// A point that was left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeftOut {
-    /// Count.
+    /// The abscissa of the point.
     pub x: f64,
-    /// Speed.
+    /// The ordinate of the point.
     pub y: f64,
-    /// y minus the line of the others.
+    /// y minus the line of the other points, in the unit of y.
     pub residual: f64,
 }
 
 /// A residual beyond this many robust standard deviations is not noise.
 const NOISE_DEVIATIONS: f64 = 6.0;
 
-/// Which variable of a line is in whole counts.
+/// The variable of a line that is in whole counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Counts {
     /// The abscissa: a converter's count.
@@ -57,14 +57,14 @@ pub enum Counts {
 /// A residual up to this many counts is accepted in any case: rounding causes up to half a count.
 const ROUNDING_COUNTS: f64 = 2.0;
 
-/// As [`fit_line`], without points that do not lie on the line of the others. Such points occur at
+/// The line through points (x, y), without the points that do not lie on the line of the others. Such points occur at
 /// the ends of a converter's range, where the count stays constant while the speed changes.
 ///
 /// First, the line with the median of all slopes is computed (H. Theil, 1950; P. K. Sen, 1968); up to a
 /// quarter of wrong points hardly changes it. Then follows least squares through the points near that line.
 ///
 /// # Errors
-/// As for [`fit_line`], also if fewer than three points are left.
+/// If fewer than three points are given or left, a number is not finite, or there is only one value of x.
 pub fn fit_line_within_range(
     points: &[(f64, f64)],
     counts: Counts,

@@ -92,7 +92,7 @@ pub struct MagnetometerCalibration {
     pub sensor: SensorCalibration,
     /// Standard deviation of the length before the calibration, as a share of the mean length. The bias is not removed.
     pub spread_before: f64,
-    /// The same after.
+    /// Standard deviation of the length after the calibration, as a share of the mean length.
     pub spread_after: f64,
     /// Share of the sphere's directions with a reading within 15°.
     pub coverage: f64,
@@ -160,7 +160,7 @@ pub fn magnetometer(
 /// counts about the fitted bias.
 ///
 /// # Errors
-/// As for [`magnetometer`]; a scale that is not positive.
+/// Fewer than 50 readings; readings that lie on no ellipsoid; a scale that is not positive.
 pub fn mean_field_ut(samples: &[[i16; 3]], ut_per_count: f64) -> Result<f64, CalibrationError> {
     let scale = positive("the magnetometer's scale", ut_per_count)?;
     let bias = magnetometer(samples, 1.0)?.sensor.line.bias_counts;

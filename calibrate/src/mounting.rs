@@ -29,15 +29,15 @@ pub struct Mounting {
     pub angle_std_rad: f64,
 }
 
-/// The rotation that takes the pivot `axis` (in the sensor's frame) to z. It is the smallest one; for an axis
-/// nearer to −z, it is half a turn about the sensor's x axis, followed by the smallest one. It therefore changes
-/// little if the axis changes little.
+/// The smallest rotation that takes the pivot `axis` (in the sensor's frame) to z. For an axis nearer to −z, the
+/// result is half a turn about the sensor's x axis, followed by the smallest rotation. In both cases, a small change
+/// of the axis changes the rotation little.
 pub fn alignment(axis: &Vector3<f64>) -> Rotation3<f64> {
     let smallest =
         |axis: &Vector3<f64>| Rotation3::rotation_between(axis, &Vector3::z()).unwrap_or_default();
     if axis.z < 0.0 {
         let half_turn = Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
-        // Rounding makes the matrix exact: in floating point, sin π is not zero.
+        // In floating point, sin π is not zero; rounding the entries makes the matrix exact.
         let half_turn = half_turn.matrix().map(f64::round);
         let half_turn = Rotation3::from_matrix_unchecked(half_turn);
         smallest(&(half_turn * axis)) * half_turn
@@ -74,7 +74,7 @@ pub fn mounting(
         return Err(CalibrationError::NotDetermined {
             what: "the pivot axis",
             why: "the rate of the swing has no single direction",
-            cure: "record a swing of at least 20° with the wheel locked, the bias removed",
+            cure: "record a swing of at least 20° with the wheel locked, and calibrate the gyroscope's bias first",
         });
     }
     let axis: Vector3<f64> = eigen.eigenvectors.column(largest).into_owned();
@@ -105,7 +105,7 @@ pub fn mounting(
         return Err(CalibrationError::NotDetermined {
             what: "the mounting angle",
             why: "hanging at rest, gravity lies along the pivot axis",
-            cure: "put the pivot axis level",
+            cure: "set up the bench so that the pivot axis is level, and record again",
         });
     }
     let tangent = Vector3::new(-up.y, up.x, 0.0) / (across_axis * across_axis);

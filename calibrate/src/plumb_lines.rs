@@ -17,9 +17,9 @@ use nalgebra::{Matrix2, Vector2};
 /// A plumb line, given by two marks on the body, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlumbLine {
-    /// One mark, such as the point of suspension.
+    /// One mark, such as the point of suspension, m.
     pub first: Vector2<f64>,
-    /// Another one, far from the first.
+    /// Another mark, far from the first, m.
     pub second: Vector2<f64>,
 }
 

@@ -12,7 +12,7 @@ use crate::error::CalibrationError;
 use crate::error::{at_least, positive};
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector3};
 
-/// Which distortion is fitted.
+/// The form of the distortion that is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// Bias and one scale for each axis: 6 numbers.

@@ -19,13 +19,13 @@ struct Batch {
 /// The readings of a sensor at rest, in counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Still {
-    /// Mean.
+    /// Mean of the samples, counts.
     pub mean: Vector3<f64>,
-    /// Standard error of the mean.
+    /// Standard error of the mean, counts.
     pub mean_std: Vector3<f64>,
-    /// Standard deviation of a sample.
+    /// Standard deviation of a sample, counts.
     pub deviation: Vector3<f64>,
-    /// Largest distance of the mean of one of 20 batches from their median.
+    /// Largest distance of the mean of one of 20 batches from their median, counts.
     pub wander: Vector3<f64>,
     /// Standard deviation that white noise alone gives a batch's mean, from the
     /// median of the variances within the batches.

@@ -44,8 +44,8 @@ pub fn accelerometer(
         .collect::<Result<Vec<_>, _>>()?;
     let points: Vec<Vector3<f64>> = poses.iter().map(|pose| pose.mean).collect();
     let middle = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
-    // The error of a length is the component of the mean's error along the field. For a sensor without noise, it is
-    // the rounding that `still` adds.
+    // The error of a length is the component of the mean's error along the field. For a sensor without noise, this
+    // error is the rounding that `still` adds.
     let deviation: Vec<f64> = poses
         .iter()
         .map(|pose| {

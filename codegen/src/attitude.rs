@@ -65,7 +65,7 @@ const BETA_STEP_MAX: f64 = 1.0 / 256.0;
 /// per count: the range of ±32768 counts becomes ±2²⁸ units.
 const ROW_SUM: f64 = (1u64 << 30) as f64;
 
-/// The largest such sum for the gyroscope.
+/// Largest sum of the magnitudes in a row of the gyroscope's matrix, in the same units.
 const ROW_SUM_MAX: f64 = 1.5 * ROW_SUM;
 
 /// Largest bias, counts.
@@ -96,7 +96,7 @@ pub fn derive(spec: &AttitudeSpec) -> Result<FilterConstants, AttitudeRefusal> {
         "rad per count",
         "shorten the sample time or choose a smaller range",
     )?;
-    // As many additional bits as fit, so that rounding down three products has no effect.
+    // The words have as many additional bits as fit, so that rounding down three products has no effect.
     let shift = (ROW_SUM_MAX / 2f64.powi(49) / sum).log2().floor().min(16.0) as u32;
     let accel_unit = ROW_SUM / positive("the accelerometer's scale", row_sum(&spec.accel.matrix))?;
     let mag_unit = ROW_SUM / positive("the magnetometer's scale", row_sum(&spec.mag.matrix))?;
@@ -123,7 +123,7 @@ pub fn derive(spec: &AttitudeSpec) -> Result<FilterConstants, AttitudeRefusal> {
 
     let drift_time = positive("the time in which a drift is followed", spec.drift_time_s)?;
     let drift_limit = positive("the largest drift", spec.drift_limit_rad_s)? * 0.5 * period;
-    // As many additional bits as the largest drift leaves room for.
+    // The drift's word has as many additional bits as its largest value leaves room for.
     let drift_shift = (30.0 - (drift_limit * 2f64.powi(32)).log2())
         .floor()
         .clamp(0.0, 14.0);
@@ -132,7 +132,7 @@ pub fn derive(spec: &AttitudeSpec) -> Result<FilterConstants, AttitudeRefusal> {
         period / drift_time,
         f64::from(i32::MAX) / 2f64.powf(28.0 + drift_shift),
         "of it",
-        "follow it more slowly",
+        "choose a longer time constant for the drift",
     )? * 2f64.powf(28.0 + drift_shift);
     let drift_word = (drift_limit * 2f64.powf(32.0 + drift_shift)).min(2f64.powi(30));
 

@@ -1,4 +1,4 @@
-//! What an emitted module promises: the identifiers by which every engine refers to a claim.
+//! The claims of an emitted module: the identifiers by which generator, certificate and checker refer to them.
 
 use serde::Serialize;
 
@@ -8,9 +8,9 @@ use serde::Serialize;
 pub enum ClaimId {
     /// No overflow, no panic, and the command within the current limit.
     ControlTotal,
-    /// Within half a unit of the saturated law with the quantised gains.
+    /// The command lies within half a unit of the saturated law with the quantised gains.
     ControlAccurate,
-    /// Within the stated bound of the saturated law with the real gains.
+    /// The command lies within the stated bound of the saturated law with the real gains.
     ControlAccurateRealGains,
     /// The sampled linear loop with the quantised gains is asymptotically stable.
     ClosedLoopStable,
@@ -53,7 +53,7 @@ impl ClaimId {
         }
     }
 
-    /// For which inputs the claim holds.
+    /// The inputs for which the claim holds.
     pub fn domain(self) -> &'static str {
         match self {
             Self::ControlTotal | Self::ControlAccurate => "every bit pattern of the three inputs",

@@ -1,9 +1,8 @@
 //! Finds the certificate of the closed loop: an invariant ellipsoid and the bounds that follow.
 //!
-//! The checker's `closed_loop` explains the numbers and why they prove the claim; it
-//! checks them in exact arithmetic, with separate code. Here they only have to be
-//! found, so ordinary floating point is sufficient. Every bound is rounded up by more than the floating-point
-//! error.
+//! The checker's `closed_loop` explains why the numbers prove the claim, and checks them in exact arithmetic with
+//! separate code. This file only has to find them, so ordinary floating point is sufficient. Every bound is rounded up
+//! by more than the floating-point error.
 //!
 //! **Ellipsoid.** For F = Ad − Bd K and a γ between the spectral radius of F and 1, the solution of Fᵀ P F − γ² P =
 //! −(Kᵀ K + ε S), with a diagonal S that makes the states comparable, gives a set that F maps into γ times itself. The
@@ -73,9 +72,10 @@ struct Loop {
     /// N + K.
     gain_error: RowVector3<f64>,
     limit: f64,
-    /// Largest input that the supply gives.
+    /// Largest held input |w| that the supply allows, in A ([`crate::held_voltage::HeldInput::reach_a`]); infinite for
+    /// a current drive.
     reach: f64,
-    /// A and B of what the drive holds.
+    /// A and B of the loop whose input is the quantity that the drive holds: current, or voltage over resistance.
     a: Matrix3<f64>,
     b: Vector3<f64>,
     sample_time_s: f64,
@@ -135,7 +135,7 @@ impl Loop {
     }
 
     /// The factor by which the set xᵀ P x ≤ 1 may be enlarged until a command or the supply reaches its limit, if the
-    /// states are wrong by at most `steps`.
+    /// measured states are wrong by at most `steps`.
     fn room(&self, p: &Matrix3<f64>, steps: &Vector3<f64>) -> f64 {
         let reach = |row: RowVector3<f64>| dual_norm(p, &row);
         let of_current = (self.emitted.abs() * steps)[0] + self.half_unit;
@@ -158,7 +158,7 @@ pub fn certify(spec: &ModuleSpec, law: &IntegerLaw) -> Option<serde_json::Value>
         WheelSensor::Encoder(encoder) => Some(encoder),
         _ => None,
     };
-    // One turn of an encoder's count is the difference of two counts.
+    // The turn of an encoder over its window is the difference of two counts, each off by half a count.
     let shares = Vector3::new(0.5, 0.5, if encoder.is_some() { 1.0 } else { 0.5 });
     let input = Vector3::from_column_slice(&held.bd);
     let ad = Matrix3::from_fn(|i, j| held.ad[i][j]);
@@ -239,7 +239,8 @@ fn largest_ellipsoid(problem: &Loop) -> Option<(Matrix3<f64>, f64)> {
         .map(|value| value.norm())
         .fold(0.0, f64::max);
     let mut best: Option<(Matrix3<f64>, f64, f64)> = None;
-    // A γ nearer to 1 needs more terms in a bound. The search takes γ at most half of the way to 1.
+    // A γ nearer to 1 needs more terms in a bound. The search goes at most half of the way from the spectral radius to
+    // 1.
     for step in 1..=20 {
         let gamma = radius + (1.0 - radius) * f64::from(step) / 40.0;
         for exponent in -16..=4 {
@@ -258,8 +259,8 @@ fn largest_ellipsoid(problem: &Loop) -> Option<(Matrix3<f64>, f64)> {
 
 /// The scaled solution of the Lyapunov equation, if the perturbations cannot leave it.
 fn ellipsoid(problem: &Loop, gamma: f64, epsilon: f64) -> Option<Matrix3<f64>> {
-    // The share of the command that a state causes at the end of its range. Wheel and rate rarely come near their
-    // ranges, so the gains make the states comparable.
+    // S weighs each state by the square of its gain, and so by its part of the command. The ranges would not make the
+    // states comparable: rate and wheel speed rarely come near the ends of theirs.
     let scale = problem.gains.transpose().map(|gain| gain * gain);
     let weight =
         problem.gains.transpose() * problem.gains + Matrix3::from_diagonal(&scale) * epsilon;
@@ -277,7 +278,7 @@ fn ellipsoid(problem: &Loop, gamma: f64, epsilon: f64) -> Option<Matrix3<f64>> {
     let mut steps = problem.half_sensors;
     let mut found = growth(&steps);
     if problem.half_window_s > 0.0 {
-        // In a larger set the wheel accelerates more, and the error of its shown speed takes more of the room.
+        // In a larger set the wheel accelerates more, and the measured wheel speed lags further behind the true one.
         for _ in 0..ROUNDS {
             let scaled = p / (found * found);
             let acceleration = problem.wheel_acceleration(&scaled, &problem.half_sensors)?;
@@ -326,7 +327,7 @@ fn stated(
     };
     let rows = [unit(0), unit(1), unit(2), problem.gains];
     let input_norm = (problem.input.transpose() * p * problem.input)[0].sqrt();
-    // So many terms that the remainder is below the rounding of the bounds.
+    // With this number of terms, the remainder of the series is below the rounding of the bounds.
     let terms = (1e-14_f64.ln() / gamma.ln()).ceil().max(1.0) as u32;
     let power = gamma.powf(f64::from(terms));
     let geometric = input_norm * power / (1.0 - gamma);

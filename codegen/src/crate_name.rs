@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// The name where no other is asked for.
+/// The default name.
 const USUAL: &str = "generated";
 /// Longest name, in characters, that both crates.io and Arduino's library index accept.
 const LENGTH_MAX: usize = 63;
@@ -24,17 +24,17 @@ pub struct CrateName(String);
 pub struct NoCrateName {
     /// The text.
     pub name: String,
-    /// What is wrong with it.
+    /// The rule that it breaks.
     pub reason: &'static str,
 }
 
 impl CrateName {
-    /// As `Cargo.toml` writes it.
+    /// The name as it is written in `Cargo.toml`.
     pub fn as_str(&self) -> &str {
         &self.0
     }
 
-    /// As Rust source writes it.
+    /// The name as it is written in Rust source, with `_` for `-`.
     pub fn in_rust(&self) -> String {
         self.0.replace('-', "_")
     }

@@ -78,8 +78,8 @@ pub fn nearest(value: &BigRational) -> BigInt {
 
 /// Scientific notation with at most `digits` significant digits, the magnitude rounded up.
 ///
-/// Exact where the number has no more digits than that. So for a bound, the printed number is
-/// never below the true one.
+/// The text is exact if the number has at most `digits` digits. The magnitude of the printed number is never below that
+/// of `value`, as a bound requires.
 pub fn outward(value: &BigRational, digits: u32) -> String {
     if value.is_zero() {
         return "0".to_owned();

@@ -43,7 +43,7 @@ pub enum FileError {
         /// The system's error.
         source: io::Error,
     },
-    /// A file exists there that this program did not write.
+    /// The file that would be overwritten was not written by this program.
     #[error(
         "{} was not written by flywheel (no `{MARK}` in it) and is left alone; choose another folder or move the file away",
         path.display()
@@ -101,7 +101,8 @@ impl EmittedCrate {
     /// a missing permission or a full disk therefore leaves everything unchanged.
     ///
     /// # Errors
-    /// [`FileError::Foreign`] if a file in the way is not ours, [`FileError::Io`] otherwise.
+    /// [`FileError::Foreign`] if a file with the same path was not written by this program, [`FileError::Io`]
+    /// otherwise.
     pub fn write(&self, directory: &Path) -> Result<Vec<PathBuf>, FileError> {
         let mut changes = Vec::new();
         for file in &self.files {

@@ -14,9 +14,9 @@ pub struct HardwareSpec {
     pub wheel_speed_per_count: f64,
     /// Wheel speed at zero counts (rad/s).
     pub wheel_speed_at_zero: f64,
-    /// Count at or below which the speed may be any.
+    /// Lower end of the sensor's range: at or below this count the true speed is unknown.
     pub wheel_low: i32,
-    /// Count at or above which the speed may be any.
+    /// Upper end of the sensor's range: at or above this count the true speed is unknown.
     pub wheel_high: i32,
     /// Rate of new gyroscope samples, Hz; `None` for one in each step.
     pub gyro_rate_hz: Option<f64>,
@@ -25,7 +25,7 @@ pub struct HardwareSpec {
     pub accelerometer_m_s2_per_count: Option<f64>,
     /// The meaning of the words, for the author of the firmware: lines of text.
     pub registers: Vec<String>,
-    /// Observer of a constant bias of the angle, which would keep the wheel turning; `None` for no observer.
+    /// Observer of a constant bias of the angle, because such a bias keeps the wheel turning; `None` for no observer.
     pub bias_observer: Option<BiasObserverSpec>,
 }
 
@@ -38,7 +38,8 @@ pub enum BodySensor {
     Encoder(BodyEncoder),
 }
 
-/// An encoder on the pivot. Its turn over the window is the rate.
+/// An encoder on the pivot. The rate is the difference of its counts over the window, divided by the duration of the
+/// window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyEncoder {
     /// The encoder.
@@ -56,7 +57,7 @@ pub enum WheelSensor {
     Converter,
     /// Signed words of the motor's driver.
     Driver,
-    /// Counts of an encoder, whose turn over a window is the speed.
+    /// Counts of an encoder: their difference over a window, divided by its duration, is the speed.
     Encoder(EncoderSpec),
 }
 
@@ -67,21 +68,21 @@ pub struct EncoderSpec {
     pub counts_per_turn: f64,
     /// The count begins again at zero after 2^`bits`.
     pub bits: u32,
-    /// Number of steps over which the turn is taken. The speed is late by half of them.
+    /// Number of steps over which the difference of the counts is taken. The speed is late by half of this time.
     pub window: u32,
 }
 
 /// The largest window of an encoder, in steps.
 pub const WINDOW_MAX: u32 = 16;
 
-/// Share of the largest current by which one count of the rate may change the command. With a larger share the current
-/// jumps to and fro; with a smaller one the rate is late without need.
+/// Largest change of the command by one count of the rate, as a share of the largest current. With a larger share the
+/// current jumps to and fro; with a smaller one the window, and with it the delay of the rate, is longer than needed.
 const COUNT_SHARE: f64 = 0.125;
 
-/// Share of the loop's delay margin that the rate's delay may take.
+/// Largest delay of the rate, as a share of the loop's delay margin.
 const DELAY_SHARE: f64 = 0.25;
 
-/// The loop's requirements for the rate that an encoder on the pivot shows.
+/// The numbers of the loop that decide the window of an encoder on the pivot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RateNeeds {
     /// Time between two samples (s).
@@ -95,7 +96,7 @@ pub struct RateNeeds {
 }
 
 impl RateNeeds {
-    /// The number of steps over which an encoder with this angle per count takes its turn.
+    /// The window, in steps, for an encoder with this angle per count.
     ///
     /// A count of the rate, δ/(N T), changes the command by K₂ δ/(N T), and the rate is N T/2 late. The window is the
     /// shortest one with which a count is at most [`COUNT_SHARE`] of the largest current; but its delay is at most

@@ -1,7 +1,8 @@
-//! The words of the hardware around the control law, and of its straight lines.
+//! The words of the hardware around the control law: constants of the sensors, and straight lines from one word to
+//! another.
 //!
-//! The inputs are raw counts (inertial sensor or encoder, the wheel's sensor), the output is a duty. Every
-//! line is rounded once, to a slope of 30 bits.
+//! The inputs are raw counts (inertial sensor or encoder, the wheel's sensor), the output is a duty. The slope of a
+//! line is rounded once, to 30 bits.
 
 use attitude::AttitudeSpec;
 
@@ -40,18 +41,18 @@ const PLANE_SHIFT_MIN: f64 = 38.0;
 /// The words from the current to the duty.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DutyWords {
-    /// Of a current drive: from the word of the current.
+    /// A current drive: from the word of the current.
     Line(Line),
-    /// Of a voltage drive: from the words of current and wheel speed.
+    /// A voltage drive: from the words of current and wheel speed.
     Plane(Plane),
 }
 
 /// The words between the sensors of the body and its angle and rate, and those that supervise them.
 #[derive(Debug, Clone, PartialEq)]
 pub enum BodyWords {
-    /// Of gyroscope and accelerometer.
+    /// The words of gyroscope and accelerometer.
     Inertial(Box<InertialWords>),
-    /// Of an encoder on the pivot.
+    /// The words of an encoder on the pivot.
     Encoder(BodyEncoderWords),
 }
 
@@ -66,16 +67,16 @@ pub struct BodyEncoderWords {
     pub angle: Line,
     /// From counts over the window to the word of the rate.
     pub rate: Line,
-    /// From the word of the angle to that of the current that holds the body there.
+    /// From the word of the body's angle to the word of the current that holds the body at this angle.
     pub holding: Line,
-    /// Of the supervisor.
+    /// The words of the supervisor.
     pub limits: BodyLimits,
 }
 
 /// The words of gyroscope and accelerometer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InertialWords {
-    /// Of the attitude filter.
+    /// The words of the attitude filter.
     pub filter: FilterConstants,
     /// Mounting angle in Q28 rad.
     pub mounting_angle: i32,
@@ -89,18 +90,18 @@ pub struct InertialWords {
     pub rate: Line,
     /// Observer of the angle's bias.
     pub bias_observer: BiasObserver,
-    /// Of the supervisor.
+    /// The words of the supervisor.
     pub limits: Limits,
 }
 
 /// All words of the emitted constants.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HardwareWords {
-    /// Between the sensors of the body and its states.
+    /// The words between the counts of the body's sensors and its angle and rate.
     pub body: BodyWords,
     /// From counts to the word of the wheel speed.
     pub wheel_speed: Line,
-    /// Of the wheel's encoder, where there is one.
+    /// The words of the wheel's encoder; `None` for another sensor.
     pub wheel_encoder: Option<EncoderNumbers>,
     /// From the word of the current to the duty.
     pub duty: DutyWords,
@@ -174,7 +175,7 @@ fn inertial_words(
         None => NO_OBSERVER,
         Some(observer) => observer_words(observer, law)?,
     };
-    // So that angle − bias cannot overflow.
+    // The angle is limited so that angle − bias cannot overflow.
     let angle_max = (i32::MAX - bias_observer.limit) >> angle_bits.saturating_sub(28);
     let filter = attitude_words::derive(&filter_spec)?;
     Ok(InertialWords {

@@ -1,10 +1,10 @@
 //! The harness crate of the emitted crate: the folder `verify` beside its `src`.
 //!
-//! It states properties of the emitted code as plain functions, and the Kani proofs that call them. `cargo kani`
-//! in that folder runs the proofs; `flywheel prove` does so where Kani is installed. The harnesses
-//! are ordinary Rust in `codegen/harnesses/`. They are carried over unchanged; what differs between two
-//! benches is a constant of the emitted crate, or stands in `verify/src/modes.rs`. The crate `verify` of this workspace is compiled from
-//! the harnesses that were emitted for `generated`, so that its tests run the same texts.
+//! It states properties of the emitted code as plain functions, and the Kani proofs that call them. `cargo kani` in
+//! that folder runs the proofs; `flywheel prove` does so where Kani is installed. The harnesses are ordinary Rust in
+//! `codegen/harnesses/`. They are copied unchanged; the numbers that differ between two benches are constants of the
+//! emitted crate, or are in `verify/src/modes.rs`. The crate `verify` of this workspace is compiled from the harnesses
+//! that were emitted for `generated`, so that its tests run the same texts.
 
 use crate::crate_name::CrateName;
 use crate::emit::{cargo_toml, modes_rs, with_header};

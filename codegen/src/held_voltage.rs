@@ -10,18 +10,18 @@ use crate::spec::ModuleSpec;
 /// The held input of a module.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldInput {
-    /// Sampled model, row by row.
+    /// State matrix Ad of the sampled model, row by row; states in rad, rad/s, rad/s.
     pub ad: [[f64; 3]; 3],
-    /// Sampled input, per ampere.
+    /// Input matrix Bd of the sampled model, change of each state per A.
     pub bd: [f64; 3],
     /// κ = k_e/R (A s/rad); zero for a current drive.
     pub back_emf: f64,
-    /// Largest |w| of the duty, V_max/R (A); infinite for a current drive, whose limit is that of the law.
+    /// Largest |w| of the duty, V_max/R (A); infinite for a current drive, whose current only the law limits.
     pub reach_a: f64,
 }
 
 impl HeldInput {
-    /// That of `spec`.
+    /// The held input of the module `spec`.
     pub fn of(spec: &ModuleSpec) -> HeldInput {
         let Some(voltage) = &spec.drive.voltage else {
             return HeldInput {

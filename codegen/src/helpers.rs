@@ -1,7 +1,7 @@
 //! The hand-written helpers of the emitted crate, compiled here unchanged.
 //!
-//! They are tested in `codegen/tests/` and carried into the output by [`crate::runtime`]. Those
-//! that name emitted constants (`attitude.rs`, `body.rs`, `controller.rs`, `monitor.rs`) are compiled in the output only.
+//! The helpers are tested in `codegen/tests/` and copied into the output by [`crate::runtime`]. Helpers that name
+//! emitted constants (`attitude.rs`, `body.rs`, `controller.rs`, `monitor.rs`) are compiled in the output only.
 
 #[path = "../runtime/arc_tangent.rs"]
 pub mod arc_tangent;

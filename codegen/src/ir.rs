@@ -44,7 +44,7 @@ pub struct StateInput {
     pub type_name: &'static str,
     /// Name of the argument: `angle`.
     pub argument: &'static str,
-    /// What it is, in words.
+    /// The meaning of the state, in words.
     pub meaning: &'static str,
     /// SI unit.
     pub unit: &'static str,

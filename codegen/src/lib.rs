@@ -52,7 +52,7 @@ pub use monitor::MonitorSpec;
 pub use refusal::Refusal;
 pub use spec::ModuleSpec;
 
-/// How a module is emitted, apart from its numbers.
+/// The options of an emitted module, in addition to its numbers.
 #[derive(Debug, Clone, Default)]
 pub struct EmissionOptions {
     /// Name of the crate, or of the library in C.
@@ -65,18 +65,18 @@ pub struct EmissionOptions {
 /// Emits the crate for `spec` under its usual name and without a monitor.
 ///
 /// # Errors
-/// As for [`generate_with`].
+/// A [`Refusal`] that names what is wrong and what would cure it.
 pub fn generate(spec: &ModuleSpec) -> Result<EmittedCrate, Refusal> {
     generate_with(spec, &EmissionOptions::default())
 }
 
 /// Emits the crate for `spec`, or refuses with the claim that could not be kept.
 ///
-/// The result depends on `spec` and `options` alone: the same numbers give the same bytes.
+/// The result depends only on `spec` and `options`: the same numbers give the same bytes.
 ///
 /// # Errors
-/// A [`Refusal`] that names what is wrong and what would cure it; [`Refusal::Monitor`] if no bound of the model's motion
-/// is known.
+/// A [`Refusal`] that names what is wrong and what would cure it; [`Refusal::Monitor`] if no bound of the model's
+/// motion is known.
 pub fn generate_with(
     spec: &ModuleSpec,
     options: &EmissionOptions,

@@ -1,9 +1,10 @@
 //! The closed loop in coordinates in which each mode decays by itself, for the harness crate.
 //!
-//! The loop with the emitted law and the loop with the same gains in real numbers differ by e. In a step e becomes
-//! F e + Bd w: F = Ad + Bd N is the loop's matrix, and w the difference between the emitted command and N x. With the
-//! left eigenvectors of F as the rows of T, the coordinates z = T e of a loop with three real modes satisfy
-//! |z⁺| ≤ λ |z| + |T Bd| |w|, each for itself. The rows are scaled so that |z| ≤ 1 follows for all time.
+//! Let e be the difference between the states of the loop with the emitted law and of the loop with the same gains in
+//! real numbers. In a step e becomes F e + Bd w, where F = Ad + Bd N is the loop's matrix, and w the difference between
+//! the emitted command and N x. With the left eigenvectors of F as the rows of T, each coordinate of z = T e of a loop
+//! with three real modes satisfies |zᵢ⁺| ≤ |λᵢ| |zᵢ| + |Tᵢ Bd| |w|. The rows are scaled so that |zᵢ| ≤ 1 holds for all
+//! time.
 //!
 //! For a complex pair a ± jb the real and the imaginary part of its eigenvector are two rows, with
 //! |z₁⁺| ≤ |a| |z₁| + |b| |z₂| + |T₁ Bd| |w|, and z₂ likewise. The box |z| ≤ 1 is then mapped into itself only if
@@ -15,7 +16,7 @@ use nalgebra::{Complex, ComplexField, Matrix3, RowVector3, Vector3};
 use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
 
-/// A mode's largest coordinate in the harness: 2^28 stands for 1.
+/// In the harness, the word 2^28 stands for a coordinate of 1, its largest value.
 const BOX_BITS: i32 = 28;
 /// Fraction bits of a mode's decay.
 const DECAY_BITS: i32 = 30;
@@ -43,9 +44,9 @@ pub struct ModeWords {
 pub struct Modes {
     /// T, row by row: per rad, per rad/s, per rad/s.
     pub rows: [[f64; 3]; 3],
-    /// The words, mode by mode.
+    /// The words of each mode.
     pub words: [ModeWords; 3],
-    /// Whether the last two are a complex pair.
+    /// Whether the last two modes are a complex pair.
     pub has_pair: bool,
 }
 
@@ -59,7 +60,8 @@ pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Option<Modes> {
     let input = Vector3::from_column_slice(&spec.bd);
     let f = Matrix3::from_fn(|i, j| spec.ad[i][j]) + input * gains;
 
-    // In units of the sum of products, divided by 2^PART_BITS: half a unit of the command, and the states' half words.
+    // The largest |w|, in 2^−PART_BITS units of the sum of products: half a unit of the command, and half a word of
+    // each state.
     let shift = law.shift as i32;
     let half = 2f64.powi(shift - 1 + PART_BITS);
     let raw = law
@@ -69,7 +71,8 @@ pub fn derive(spec: &ModuleSpec, law: &IntegerLaw) -> Option<Modes> {
     let worst = half + 2f64.powi(PART_BITS - 1) * raw.sum::<f64>();
     let count_a = unit(law.current.fraction_bits) * 2f64.powi(-shift - PART_BITS);
 
-    // A row, and the amount that the command's difference may add in each step if this share of the coordinate remains.
+    // The row, scaled such that its coordinate stays within 1 for all time: in a step at most the share `remains` of
+    // the coordinate remains, and each ampere of the command's difference adds at most `push` (before scaling).
     let scaled = |row: RowVector3<f64>, remains: f64, push: f64| {
         row * ((1.0 - remains) * (1.0 - MARGIN) / (push * count_a * worst))
     };

@@ -1,9 +1,10 @@
 //! The numbers of the monitor: the model's prediction of the motion in one step, and the largest deviation of a sound
 //! bench from it.
 //!
-//! The prediction is that of the sampled linear model. With λ = 1 − 2^−leak, a difference d that every step repeats
-//! adds up to at most d 2^leak. A sensor's error enters as the difference of its values in two steps, and adds up to at
-//! most twice its largest value. So the limits are
+//! The sampled linear model predicts the motion. The monitor sums the differences between measured and predicted
+//! motion, and multiplies the sum by λ = 1 − 2^−leak in each step. A difference d that every step repeats therefore
+//! adds up to at most d 2^leak. A sensor's error enters as the difference of its values in two steps, and adds up to
+//! at most twice its largest value. The limits of the sums cover
 //!
 //! - twice the largest errors of the sensors, and the effect of state errors on the prediction;
 //! - a current that acts up to [`LATE_STEPS`] later than predicted;
@@ -11,14 +12,15 @@
 //! - for the body: one push, of the size from which the pendulum can just come back.
 //!
 //! **Encoder on the wheel.** It shows the mean speed over its window of N steps. While the wheel accelerates by at most
-//! Φ, the error of this speed is Φ N T/2; it is treated like other errors of the sensor, in addition to the error of
+//! Φ, the error of this speed is Φ N T/2; it is treated like other errors of the sensor, in addition to the rounding of
 //! two counts. Φ is the largest acceleration that the model, with its errors, allows at the ends of angle, rate, wheel
 //! speed and drive. A push changes the wheel's speed relative to the body at once, and the shown speed within the
 //! window; during this time the sum contains the push. If these allowances would hide a wheel that does not respond to
 //! the largest current, a monitor would notice nothing and is refused.
 //!
-//! With a voltage drive the model is that of the held voltage ([`crate::held_voltage`]), and the duty is the voltage over the
-//! winding's resistance, which changes with its temperature: no error of it is stated.
+//! With a voltage drive the model is that of the held voltage ([`crate::held_voltage`]), and the duty is the voltage
+//! over the winding's resistance. The resistance changes with its temperature; its relative error is taken to be
+//! [`UNSTATED_SHARE`].
 //!
 //! The widths grow with the states and the current by the shares by which the model's numbers may be off: three
 //! standard errors, or [`UNSTATED_SHARE`] where none is stated.
@@ -32,11 +34,11 @@ use crate::ir::IntegerLaw;
 use crate::refusal::Refusal;
 use crate::spec::ModuleSpec;
 
-/// Time over which differences add up, about (s). A body that falls with a time constant of a tenth of a second shows
-/// in this time which torque drives it, and noise has little time to add up.
+/// Approximate time over which differences add up (s). A body that falls with a time constant of a tenth of a second
+/// shows in this time which torque drives it, and noise has little time to add up.
 const MEMORY_S: f64 = 0.1;
 
-/// Number of standard deviations of a sensor's noise that count as its largest error. One reading in 10¹⁵ lies beyond
+/// Largest error of a sensor by its noise, in standard deviations. One reading in 10¹⁵ of normal noise lies beyond
 /// eight.
 const NOISE_STDS: f64 = 8.0;
 
@@ -47,7 +49,8 @@ const ANGLE_ERROR_RAD: f64 = 0.02;
 /// Assumed relative error of a parameter without a standard error.
 const UNSTATED_SHARE: f64 = 0.1;
 
-/// Relative error of each row that sampling and rounding may cause.
+/// Relative error of each entry of a row by sampling and rounding. Each limit has the same number as an allowance in
+/// rad/s.
 const ROW_SHARE: f64 = 0.01;
 
 /// Number of steps by which the current, or the reading of a sensor, may be later than in the model.
@@ -56,7 +59,7 @@ const LATE_STEPS: i32 = 2;
 /// Fraction bits of a sum.
 const SUM_BITS: i32 = 16;
 
-/// What the monitor is told beside the module.
+/// The specification of the monitor, in addition to that of the module.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MonitorSpec {
     /// Standard deviations of the measured angle (rad), rate and wheel speed (rad/s).
@@ -74,17 +77,18 @@ pub struct MonitorNumbers {
     pub wheel_limit_rad_s: f64,
     /// Limit of the body's sum (rad/s).
     pub body_limit_rad_s: f64,
-    /// The same as words, with rows and widths.
+    /// These limits as words, with the rows of the model and their widths.
     pub words: MotionLimits,
 }
 
-/// A row in SI units: per rad, per rad/s, per rad/s, per A; each times the step.
+/// A row of the model in SI units: change of a speed (rad/s) in one step, per rad, per rad/s (body), per rad/s (wheel)
+/// and per A.
 type Row = [f64; 4];
 
 /// The numbers for `spec`.
 ///
 /// # Errors
-/// [`Refusal::Monitor`] with the parameter or the number that no bound is known for.
+/// [`Refusal::Monitor`] with the parameter or the number for which no bound is known.
 pub fn derive(
     spec: &ModuleSpec,
     law: &IntegerLaw,
@@ -93,7 +97,9 @@ pub fn derive(
     let refuse = |reason: String| Refusal::Monitor { reason };
     let Some(attitude) = spec.hardware.attitude() else {
         return Err(refuse(
-            "the monitor takes the body's rate without delay, which an encoder on the pivot does not give".to_owned(),
+            "the monitor needs the body's rate without delay, and the rate of an encoder on the pivot is half its \
+             window late"
+                .to_owned(),
         ));
     };
     let torques = Torques::read(spec)?;
@@ -115,7 +121,8 @@ pub fn derive(
         held.bd[1] + held.bd[2],
     );
 
-    // A late current: its share of the remembered sum, and the share that is still missing.
+    // The current acts up to LATE_STEPS later than predicted. By then the leak has multiplied the predicted part of the
+    // sum by λ^LATE_STEPS, so that the measured part is larger by the share λ^−LATE_STEPS − 1.
     let late = (1.0 - 1.0 / memory).powi(-LATE_STEPS) - 1.0;
     // The held current is at most the limit, or the supply voltage over the resistance.
     let most_a = match spec.drive.voltage {
@@ -206,7 +213,7 @@ pub fn derive(
             2f64.powi(scale) * spec.drive.amperes_per_count,
         ]
     };
-    // Every weight fits its word with a bit to spare.
+    // Whether every weight stays below 2³⁰, which leaves one bit of its word free.
     let fits = |scale: i32| {
         let units = units(scale);
         let rows = [&wheel, &body, &wheel_width, &body_width];
@@ -227,14 +234,16 @@ pub fn derive(
         ));
     }
     let nearest = |row: &Row| motion_row([0, 1, 2, 3].map(|i| (row[i] * units[i]).round()));
-    // One unit more covers the rounding of the row that it stands beside.
+    // The additional unit of a width covers the rounding of the row to which the width belongs.
     let outward =
         |row: &Row| motion_row([0, 1, 2, 3].map(|i| (row[i] * units[i]).abs().ceil() + 1.0));
-    // The rest that rounding, and the rounding of the leak, leave in a sum.
+    // The additional units cover the rounding of the products and of the leak in each remembered step.
     let limit = |value: f64| (value * 2f64.powi(SUM_BITS)).ceil() + 2.0 * memory;
     let limits = [wheel_limit_rad_s, body_limit_rad_s].map(limit);
     if limits.iter().any(|limit| *limit > 2f64.powi(28)) {
-        return Err(refuse("a limit is beyond 4096 rad/s".to_owned()));
+        return Err(refuse(
+            "a limit of the monitor exceeds 4096 rad/s, the largest that its words hold".to_owned(),
+        ));
     }
     Ok(MonitorNumbers {
         errors,
@@ -295,7 +304,7 @@ struct Shares {
     gravity: f64,
     wheel: f64,
     wheel_friction: f64,
-    /// Of the inertia Θ − j_w.
+    /// Relative error of the inertia Θ − j_w.
     body: f64,
 }
 
@@ -311,7 +320,8 @@ impl Shares {
         let value = |name: &str| parameter(spec, name).map_or(0.0, |found| found.value);
         let (whole, wheel) = (value("total_inertia"), value("wheel_inertia"));
         let off = share("total_inertia") * whole + share("wheel_inertia") * wheel;
-        // A voltage drive gives a current by the winding's resistance, and the motor brakes its wheel with τ²/R.
+        // With a voltage drive, the current at standstill is the voltage over the winding's resistance R, and the
+        // back-EMF brakes the wheel like a viscous friction τ²/R. R is taken to be known to UNSTATED_SHARE.
         let (torque, friction) = (share("torque_constant"), share("wheel_viscous_friction"));
         let (torque, wheel_friction) = match spec.drive.voltage {
             None => (torque, friction),
@@ -333,18 +343,21 @@ impl Shares {
             Ok(shares)
         } else {
             Err(Refusal::Monitor {
-                reason: "an inertia is known to no better than half of its value".to_owned(),
+                reason: "the inertia of the wheel or of the body may be off by half of its value or more (three \
+                         standard errors)"
+                    .to_owned(),
             })
         }
     }
 
-    /// By what share a quotient may be off.
+    /// Largest relative error of a quotient, from those of its numerator and its denominator.
     fn quotient(&self, above: f64, below: f64) -> f64 {
         (1.0 + above) / (1.0 - below) - 1.0
     }
 }
 
-/// Torques of any course up to a size, as accelerations (rad/s²).
+/// Bounds of the torques that the linear model lacks, as accelerations of wheel and body (rad/s²). Their course over
+/// time is arbitrary.
 struct Torques {
     wheel_rad_s2: f64,
     body_rad_s2: f64,

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// Which parts a module has.
+/// The parts that a module has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Parts {
     /// Whether an encoder on the pivot shows the body, not gyroscope and accelerometer.
@@ -34,7 +34,7 @@ pub enum WheelPart {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum PartsError {
     /// The text does not consist of Rust tokens.
-    #[error("no Rust tokens: {0}")]
+    #[error("the text does not consist of Rust tokens: {0}")]
     NoTokens(String),
     /// A condition names something that is no part.
     #[error("line {line}: `{condition}` is no condition on the parts of a bench")]
@@ -57,7 +57,7 @@ impl Parts {
         "test",
     ];
 
-    /// All combinations.
+    /// All combinations of parts.
     pub fn all() -> impl Iterator<Item = Parts> {
         let wheels = [WheelPart::Converter, WheelPart::Driver, WheelPart::Encoder];
         wheels.into_iter().flat_map(|wheel| {
@@ -196,14 +196,15 @@ fn is_mark(tree: &TokenTree, mark: char) -> bool {
     matches!(tree, TokenTree::Punct(found) if found.as_char() == mark)
 }
 
-/// One past the attribute that begins at `at`, if one does: `#[…]`, which `///` is too.
+/// The index after the attribute `#[…]` that begins at `at`; `None` if none begins there. A `///` comment is an
+/// attribute, too.
 fn attribute_end(trees: &[TokenTree], at: usize) -> Option<usize> {
     let is_attribute = is_mark(trees.get(at)?, '#')
         && matches!(trees.get(at + 1)?, TokenTree::Group(group) if group.delimiter() == Delimiter::Bracket);
     is_attribute.then_some(at + 2)
 }
 
-/// What stands between the parentheses of `[cfg(…)]`.
+/// The condition between the parentheses of `[cfg(…)]`.
 fn condition_of(tree: &TokenTree) -> Option<TokenStream> {
     let TokenTree::Group(group) = tree else {
         return None;
@@ -217,8 +218,8 @@ fn condition_of(tree: &TokenTree) -> Option<TokenStream> {
     }
 }
 
-/// One past the node that begins at `at`: an item, a statement, a field or an argument. It ends with a comma or a
-/// semicolon, with a block after which nothing goes on, or with the group that it stands in.
+/// The index after the node that begins at `at`: an item, a statement, a field or an argument. A node ends with a comma
+/// or a semicolon, with a block that nothing continues (such as `else` or `.`), or with the group that contains it.
 fn node_end(trees: &[TokenTree], mut at: usize) -> usize {
     while let Some(tree) = trees.get(at) {
         at += 1;

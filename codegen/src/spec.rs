@@ -25,23 +25,23 @@ pub struct ModuleSpec {
     pub drive: PwmDrive,
     /// The sensors that the states come from.
     pub hardware: HardwareSpec,
-    /// Sentences about the values of sensors and drive that nobody stated and that another bench supplied.
+    /// Sentences about the values of sensors and drive that the bench does not state and that come from another bench.
     pub assumed: Vec<String>,
     /// Identified parameters of the model behind the gains.
     pub parameters: Vec<ModelParameter>,
     /// Correlations of the errors of these parameters, where they are known.
     pub correlation: Option<ParameterCorrelation>,
-    /// Diagonal of the state weight Q.
+    /// Diagonal of the state weight Q, in 1/s per rad², (rad/s)², (rad/s)².
     pub state_weights: [f64; 3],
-    /// Weight R of the current.
+    /// Weight R of the current, in 1/s per A².
     pub current_weight: f64,
-    /// Continuous linear model, A, row by row.
+    /// State matrix A (3×3) of the continuous linear model, row by row, units of row over column per second.
     pub a: [[f64; 3]; 3],
-    /// Continuous linear model, B.
+    /// Input matrix B (3×1) of the continuous linear model, units of row per A and second.
     pub b: [f64; 3],
-    /// Linear model sampled at `sample_time_s` with a zero-order hold, Ad, row by row.
+    /// State matrix Ad (3×3) of the model sampled at `sample_time_s` with a zero-order hold, row by row.
     pub ad: [[f64; 3]; 3],
-    /// Sampled linear model, Bd.
+    /// Input matrix Bd (3×1) of the sampled model, units of row per A.
     pub bd: [f64; 3],
     /// Certificate of the closed loop, which goes into `certificate.json` unchanged. If it is `None`,
     /// [`crate::closed_loop`] finds one.

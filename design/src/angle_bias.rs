@@ -1,7 +1,7 @@
 //! The effect of a bias of the measured angle: a wheel that never stops.
 //!
-//! With measured = true + b, the law responds with K₁ b to an angle that is not there. The loop comes to rest
-//! where the body leans just enough to keep the wheel turning against its friction:
+//! If the measured angle is the true one plus b, the law adds the current −K₁ b. The loop comes to rest where the body
+//! leans just enough to keep the wheel turning against its friction:
 //!
 //! ```text
 //! (A − B K) x = B K₁ b   (continuous),   (I − Ad + Bd K) x = −Bd K₁ b   (sampled)
@@ -27,8 +27,9 @@ pub fn rest_per_angle_bias(
     solve(a - &b * gain, b.column(0) * gains[0])
 }
 
-/// As [`rest_per_angle_bias`], for the loop sampled at `sample_time_s`. It differs from the
-/// continuous loop only through the gains: at rest, a held input is a constant input.
+/// The state (angle, rate, wheel speed) in which the loop sampled at `sample_time_s` comes to rest, per rad of angle
+/// bias. With the same gains, the continuous loop comes to rest in the same state, because a held input is a constant
+/// input at rest.
 ///
 /// # Errors
 /// A singular loop; entries that are not finite; a sample time that is not positive.

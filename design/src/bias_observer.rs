@@ -241,7 +241,7 @@ mod tests {
             -hold.state[(2, 0)],
         );
         for other in [Vector3::x(), Vector3::y(), Vector3::z()] {
-            // Every direction scaled to the same decay.
+            // Every direction is scaled so that the observer has the same decay.
             let scaled = other.transpose() * ((1.0 - observer.decay) / other.dot(&trace));
             assert!(noise_of(&scaled) >= least);
         }

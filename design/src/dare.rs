@@ -214,7 +214,7 @@ mod tests {
     use nalgebra::DVector;
     use proptest::prelude::*;
 
-    /// The oracle: the Riccati difference equation run until it stands still.
+    /// The oracle: the Riccati difference equation, iterated until it no longer changes.
     fn iterate(
         a: &DMatrix<f64>,
         b: &DMatrix<f64>,

@@ -40,7 +40,7 @@ pub struct Design {
     pub controllability: StructuralRank,
     /// Whether angle, rate and wheel speed together show every state, and how well.
     pub observability: StructuralRank,
-    /// The same for each sensor alone, with its name.
+    /// Whether each sensor alone shows every state, and how well; with the name of the sensor.
     pub observability_of_sensor: [(&'static str, StructuralRank); 3],
     /// The largest angle from which the motor can bring the body back, asin(τ u_max/G), in rad.
     pub recovery_angle_rad: f64,
@@ -252,16 +252,16 @@ mod tests {
                 other => panic!("{weight}: {other:?}"),
             }
         }
-        // So little that no doubling settles.
+        // A weight so small that the doubling iteration does not converge.
         let mut nothing = settings();
         nothing.weights.state[2] = 1e-30;
         nothing.sample_time_s = 1e-4;
         assert!(Design::new(&model, &nothing).is_err());
-        // With friction it comes to rest by itself.
+        // With friction the wheel comes to rest by itself.
         let mut with_friction = settings();
         with_friction.weights.state[2] = 0.0;
         assert!(Design::new(&thesis::model(), &with_friction).is_ok());
-        // Nobody looks at the angle.
+        // The angle has no weight.
         let mut blind = settings();
         blind.weights.state = Vector3::zeros();
         assert!(matches!(

@@ -280,7 +280,7 @@ impl Wide {
 mod tests {
     use super::*;
 
-    /// 1/3 to 106 bits: three times it is one to 2⁻¹⁰⁴.
+    /// Three times the computed 1/3 differs from 1 by at most 2⁻¹⁰⁴.
     #[test]
     fn a_third_has_twice_the_digits() {
         let third = DoubleDouble::ONE.over(DoubleDouble::of(3.0));
@@ -302,7 +302,7 @@ mod tests {
         assert!((turn.at(0, 0).to_f64() - angle.cos()).abs() < 1e-16);
     }
 
-    /// The matrix of Hilbert of order 8, whose condition number is 1.5e10.
+    /// The Hilbert matrix of order 8, whose condition number is 1.5e10.
     #[test]
     fn an_ill_conditioned_system_is_solved() {
         let mut hilbert = Wide::zeros(8, 8);

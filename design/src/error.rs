@@ -39,7 +39,7 @@ pub enum DesignError {
          use state weights of zero or more and a current weight greater than zero"
     )]
     IndefiniteWeights {
-        /// Which weight, and what it must be.
+        /// The weight, and the condition that it must fulfil.
         what: &'static str,
         /// Its smallest eigenvalue.
         smallest_eigenvalue: f64,
@@ -77,13 +77,14 @@ pub enum DesignError {
     CostBlind {
         /// The state that dominates the mode.
         state: &'static str,
-        /// What the mode would do.
+        /// The reason, in words: why the cost does not control the mode.
         how: String,
     },
     /// Double and extended precision give different gains.
     #[error(
         "the gains cannot be computed reliably (double and extended precision differ by a share of \
-         {difference:.1e}); the model or the weights span too many orders of magnitude"
+         {difference:.1e}); bring the weights, or the parameters of the model, closer together: they span too many \
+         orders of magnitude"
     )]
     GainsUncertain {
         /// Norm of the difference, divided by that of the gains.
@@ -106,10 +107,11 @@ pub enum DesignError {
     /// A Riccati equation was solved, but not accurately enough.
     #[error(
         "the {equation} is solved only to a relative residual of {residual:.1e} (allowed \
-         {allowed:.1e}); the model or the weights span too many orders of magnitude"
+         {allowed:.1e}); bring the weights, or the parameters of the model, closer together: they span too many orders \
+         of magnitude"
     )]
     InaccurateSolution {
-        /// Which equation.
+        /// The equation, in words.
         equation: &'static str,
         /// Its residual, divided by the size of its terms.
         residual: f64,
@@ -130,7 +132,7 @@ pub enum DesignError {
         modulus(*spectral_radius)
     )]
     UnstableLoop {
-        /// Which loop, in words.
+        /// The loop, in words.
         loop_name: &'static str,
         /// Largest modulus of its poles.
         spectral_radius: f64,
@@ -171,8 +173,8 @@ pub enum DesignError {
     },
 }
 
-/// The modulus of a pole, where what counts is its distance from one: of a slow mode that distance lies beyond the
-/// fourth digit.
+/// The modulus of a pole as text. Its distance from 1 decides stability, and four digits of the modulus of a slow mode
+/// do not show it; a modulus within 0.01 of 1 is therefore written as 1 plus or minus the distance.
 fn modulus(modulus: f64) -> String {
     let beyond = modulus - 1.0;
     if beyond != 0.0 && beyond.abs() < 0.01 {
@@ -183,11 +185,12 @@ fn modulus(modulus: f64) -> String {
     }
 }
 
-/// The shortest sample time that is advised, in s: what the 2,400 instructions of the emitted step's longest path
-/// (docs/guide/cost.md) take at 120 MHz.
+/// The shortest sample time that is advised, in s. It is the time of 2,400 instructions at 120 MHz: the longest path
+/// through one emitted step (docs/guide/cost.md).
 const SHORTEST_ADVISED_S: f64 = 20e-6;
 
-/// What cures a sample time that is too long: a shorter one, where a controller can have it, or a slower loop.
+/// The advice against a sample time that is too long: a shorter sample time, unless it is below [`SHORTEST_ADVISED_S`],
+/// or a slower loop.
 fn shorter_or_slower(longest_s: f64, current_weight: f64, larger_weight: Option<f64>) -> String {
     let slower = match larger_weight {
         Some(weight) => format!(

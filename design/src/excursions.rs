@@ -9,7 +9,7 @@ use crate::error::DesignError;
 use crate::lqr::Weights;
 use crate::matrix::check_positive;
 
-/// How far each quantity may leave its rest. Infinite: it costs nothing.
+/// How far each quantity may leave its value at rest. A state whose excursion is infinite has no weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Excursions {
     /// Angle from upright, rad.
@@ -23,7 +23,7 @@ pub struct Excursions {
 }
 
 impl Excursions {
-    /// The weights that make each of these excursions cost the same, 1 per second.
+    /// The weights with which each of these excursions costs the same: 1 per second.
     ///
     /// # Errors
     /// [`DesignError::NotPositive`] or [`DesignError::NotFinite`] for an excursion that is not a positive number; that
@@ -87,7 +87,8 @@ mod tests {
         assert!((back.wheel_speed_rad_s - 40.0).abs() < 1e-12);
     }
 
-    /// Twice every excursion is a quarter of every weight, and the gains do not see a common factor.
+    /// Twice every excursion gives a quarter of every weight, and a common factor of the weights does not change the
+    /// gains.
     #[test]
     fn only_the_ratios_count() {
         let once = Excursions::of(&thesis::weights());

@@ -127,7 +127,7 @@ mod tests {
     use nalgebra::Vector3;
     use proptest::prelude::*;
 
-    /// On the bench of the thesis both precisions agree to what a double holds.
+    /// On the bench of the thesis the gains in both precisions agree up to the rounding of a double.
     #[test]
     fn the_thesis_bench_loses_few_digits() {
         let regulator = discrete_regulator(&thesis::model(), &thesis::weights(), 1e-3).unwrap();
@@ -167,8 +167,8 @@ mod tests {
         }
     }
 
-    /// Weights and a bench that cost double precision its digits: what is returned satisfies the
-    /// equation of extended precision, or is refused.
+    /// For weights and benches with which double precision loses digits, the returned gains satisfy the Riccati
+    /// equation in extended precision, or the design is refused.
     #[test]
     fn a_stiff_design_is_right_or_refused() {
         let weights = Weights {

@@ -26,9 +26,9 @@ use plant::LinearModel;
 pub struct FrictionExtremes {
     /// No Coulomb friction at all.
     pub none: LinearModel,
-    /// All of it, as the viscous term μ/ι.
+    /// All Coulomb friction, as the viscous term μ/ι.
     pub all: LinearModel,
-    /// That ι, in rad/s.
+    /// The smoothing speed ι of that term, in rad/s.
     pub smoothing_speed_rad_s: f64,
 }
 
@@ -76,7 +76,7 @@ impl ExtremeCheck {
 pub struct FrictionCheck {
     /// Without Coulomb friction.
     pub none: ExtremeCheck,
-    /// With all of it as damping.
+    /// With all Coulomb friction as damping.
     pub all: ExtremeCheck,
     /// The oscillation that unsmoothed friction maintains; `None` if no amount of damping
     /// makes the loop unstable.
@@ -197,8 +197,8 @@ mod tests {
         thesis::model_of(parameters)
     }
 
-    /// The less ι, the more damping the design believes in, and the worse it balances a bench
-    /// whose friction is only viscous. Figures computed independently, printed to two digits.
+    /// The smaller ι, the more damping the design assumes, and the worse its loop balances a bench whose friction is
+    /// only viscous. The expected numbers were computed independently and have two digits.
     #[test]
     fn believing_in_friction_costs_damping() {
         for (speed, gains, pole) in [

@@ -1,10 +1,11 @@
 //! The bench as the controller meets it: the current reaches the plant late, and the sensors are late and filtered.
 //!
-//! Between the samples nothing is approximated. A sensor's low-pass filter, T ẏ = v − y, is a state of the plant. The
-//! current changes once in a sample interval, at the fraction of its delay, so that the hold is split there
-//! ([`zero_order_hold_delayed`]). A late sensor shows the plant at an instant between two samples, which the same split
-//! hold gives from the sample before. Whole samples of a delay are shift states
-//! (Åström and Wittenmark, "Computer-Controlled Systems", 3rd ed., section 2.3). The result is
+//! The difference equation is exact. A sensor's low-pass filter, T ẏ = v − y, is a state of the plant. A delay
+//! consists of whole samples and a fraction of a sample. The current at the plant changes once in a sample interval,
+//! after the fraction of its delay, and the hold is split at that time ([`zero_order_hold_delayed`]). A late sensor
+//! shows the plant at an instant between two samples; the same split hold gives the state at that instant from the
+//! sample before. Whole samples of a delay are shift states (Åström and Wittenmark, "Computer-Controlled Systems", 3rd
+//! ed., section 2.3). The result is
 //!
 //! ```text
 //! x⁺ = Ad x + Bp u₋₍d₊₁₎ + Bn u₋d,   yᵢ = z^−mᵢ (Cᵢ x + Pᵢ u₋₍d₊₁₎ + Nᵢ u₋d)
@@ -17,7 +18,7 @@ use crate::matrix::check_shape;
 use crate::zero_order_hold::{DelayedDiscrete, held_for, zero_order_hold_delayed};
 use nalgebra::{Complex, DMatrix};
 
-/// How late one sensor is.
+/// Filter and delay of one sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SensorLateness {
     /// Time constant of its low-pass filter in s; zero for none.
@@ -26,17 +27,17 @@ pub struct SensorLateness {
     pub delay_s: f64,
 }
 
-/// How late the current and the sensors are.
+/// The delay of the current, and the filters and delays of the sensors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lateness {
-    /// From a sample to the change of the current at the plant, in s.
+    /// Time from a sample to the change of the current at the plant, in s.
     pub current_s: f64,
-    /// Angle, rate, wheel speed.
+    /// Lateness of the sensors of angle, rate and wheel speed, in this order.
     pub sensors: [SensorLateness; 3],
 }
 
 impl Lateness {
-    /// Only the current is late.
+    /// A bench whose current is late by `current_s` (s) and whose sensors are not.
     pub fn of_current(current_s: f64) -> Lateness {
         Lateness {
             current_s,
@@ -49,7 +50,7 @@ impl Lateness {
         for value in sensors.chain([self.current_s]) {
             if !(value >= 0.0 && value.is_finite()) {
                 return Err(DesignError::NotPositive {
-                    what: "the delay in s (zero is allowed too)",
+                    what: "a delay or a filter's time constant in s (where zero is allowed too)",
                     value,
                 });
             }
@@ -62,7 +63,7 @@ impl Lateness {
 pub(crate) struct Delay {
     /// Whole samples.
     pub(crate) whole: usize,
-    /// What is left, s.
+    /// The remaining fraction of a sample, in s.
     pub(crate) part_s: f64,
 }
 
@@ -76,7 +77,7 @@ impl Delay {
     }
 }
 
-/// The sampled plant between the commanded current and what the sensors say.
+/// The sampled plant from the commanded current to the readings of the sensors.
 pub(crate) struct LatePlant {
     plant: DelayedDiscrete,
     /// d, whole samples of the current's delay.
@@ -86,15 +87,15 @@ pub(crate) struct LatePlant {
     outputs: Vec<LateOutput>,
 }
 
-/// One sensor.
+/// One sensor i, with the symbols of the equation above.
 struct LateOutput {
-    /// mᵢ.
+    /// mᵢ, whole samples of its delay.
     shifts: usize,
     /// Cᵢ (1×n).
     from_state: DMatrix<f64>,
-    /// Pᵢ.
+    /// Pᵢ, per A of u₋₍d₊₁₎.
     from_previous: f64,
-    /// Nᵢ.
+    /// Nᵢ, per A of u₋d.
     from_new: f64,
 }
 
@@ -121,7 +122,7 @@ impl LatePlant {
         let n = a.nrows();
         check_shape("the state matrix A", a, n, n)?;
         check_shape("the input matrix B", b, n, 1)?;
-        // One more state for each filter; it shows in place of what it filters.
+        // One more state for each filter: its output, which is measured in place of the filtered state.
         let filtered: Vec<usize> = (0..lateness.sensors.len().min(n))
             .filter(|sensor| lateness.sensors[*sensor].lag_s > 0.0)
             .collect();
@@ -172,7 +173,7 @@ impl LatePlant {
         })
     }
 
-    /// The same with delays as states: (x, filters, u₋₁ … u₋₍d₊₁₎, the shifted readings of each sensor).
+    /// This plant with its delays as states: (x, filters, u₋₁ … u₋₍d₊₁₎, the shifted readings of each sensor).
     pub(crate) fn augmented(&self) -> Augmented {
         let n = self.plant.state.nrows();
         let past = if self.is_late { self.whole + 1 } else { 0 };
@@ -226,7 +227,7 @@ impl LatePlant {
         }
     }
 
-    /// What the sensors say of a current of size 1 at z, one row a sensor; none at a pole.
+    /// The transfer function from the current to the readings at z, one row for each sensor; `None` at a pole.
     pub(crate) fn transfer(&self, z: Complex<f64>) -> Option<DMatrix<Complex<f64>>> {
         let plant = &self.plant;
         let input =
@@ -271,7 +272,8 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(60))]
-        /// Shift states and powers of z say the same, and a delay that all sensors share acts like one of the current.
+        /// Shift states and powers of z give the same transfer function, and a delay that all sensors share acts like
+        /// the same delay of the current.
         #[test]
         fn states_and_transfer_agree(
             current in 0.0..4.0_f64,

@@ -1,4 +1,5 @@
-//! A controller around a bench whose current and sensors are late, and the law that predicts.
+//! A controller around a bench whose current and sensors are late, and the law that predicts the state at which a late
+//! current arrives.
 
 use crate::controller::LinearController;
 use crate::error::DesignError;
@@ -41,7 +42,7 @@ impl LinearController {
             .closed_loop(&plant.state, &plant.input)
     }
 
-    /// The same controller on the states of a plant whose sensors show `output` of them.
+    /// This controller, reading the sensors y = `output` x, as a controller of the plant's states x.
     pub(crate) fn seeing(&self, output: &DMatrix<f64>) -> Result<LinearController, DesignError> {
         let (order, sensors) = (self.order(), output.nrows());
         check_shape("Bc of the controller", &self.measurement, order, sensors)?;
@@ -54,10 +55,10 @@ impl LinearController {
         })
     }
 
-    /// u = −K x̂, with x̂ the state that the plant will have `ahead_s` after the sample: the measured state is led on
-    /// by the model, with the commands that have been given and not arrived. For a current that is late by `ahead_s`
-    /// this law is the optimal one, and its gains are those of the plant without delay: no command changes the cost
-    /// before it arrives. The controller's states are the commands u₋₁, u₋₂, … of that time.
+    /// u = −K x̂, where x̂ is the predicted state of the plant `ahead_s` (s) after the sample: the model carries the
+    /// measured state forward under the commands that are on their way. For a current that is late by `ahead_s`, this
+    /// law is optimal with the gains of the plant without delay, because no command changes the cost before it arrives.
+    /// The controller's states are the commands u₋₁, u₋₂, … that are on their way.
     ///
     /// # Errors
     /// Wrong shapes, a sample time that is not positive, a negative time.
@@ -74,7 +75,8 @@ impl LinearController {
         let order = ahead.whole + usize::from(ahead.part_s > 0.0);
         let mut output = DMatrix::zeros(1, order);
         for index in 0..order {
-            // u₋ⱼ, j = index + 1, acts from `ahead_s` − j T on, for one sample time or what is left of it.
+            // With j = index + 1, the command u₋ⱼ arrives at `ahead_s` − j T and acts for one sample time. If that time
+            // is negative, it has arrived before this sample and acts only for the rest of its sample time.
             let rest_s = index as f64 * sample_time_s;
             let acts = held_for(a, b, (ahead_s - rest_s).clamp(0.0, sample_time_s))?;
             let rest = held_for(a, b, rest_s)?;
@@ -117,8 +119,8 @@ mod tests {
         LinearController::state_feedback(&thesis::golden_gains())
     }
 
-    /// Steps the loop by its own means: the plant in small steps, everything that was late in long tables. The sensors
-    /// are filtered by the exact answer to a value that is held over a small step.
+    /// Simulates the loop independently: the plant in small steps, late currents and readings from tables of the past.
+    /// Each filter has the exact response to an input that is held over a small step.
     fn simulate(
         controller: &LinearController,
         lateness: &Lateness,
@@ -234,8 +236,9 @@ mod tests {
         }
     }
 
-    /// A law that predicts has the poles of the loop without delay, and zeros for what it waits for (Manitius and
-    /// Olbrot, "Finite spectrum assignment problem for systems with delays", IEEE TAC 24(4), 1979).
+    /// The loop with the predicting law has the poles of the loop without delay, and poles at zero for the commands on
+    /// their way (Manitius and Olbrot, "Finite spectrum assignment problem for systems with delays", IEEE TAC 24(4),
+    /// 1979).
     #[test]
     fn prediction_gives_back_the_poles_without_delay() {
         let (a, b) = (thesis::a(), thesis::b());
@@ -260,7 +263,7 @@ mod tests {
         }
     }
 
-    /// Steps the loop by its own means: the plant in small steps, the commands in a queue.
+    /// Simulates the loop independently: the plant in small steps, the commands in a queue.
     fn simulate_a_late_current(delay_s: f64, samples: usize) -> DVector<f64> {
         let (a, b) = (thesis::a(), thesis::b());
         let (sample_time, parts) = (1e-3, 100);
@@ -305,7 +308,7 @@ mod tests {
         }
     }
 
-    /// Two milliseconds at the sensors cost two milliseconds of the delay margin.
+    /// A delay of two milliseconds in all sensors reduces the delay margin by two milliseconds.
     #[test]
     fn late_sensors_come_off_the_delay_margin() {
         let margin = |lateness: &Lateness| {

@@ -7,18 +7,18 @@
 //! |---|---|
 //! | [`zero_order_hold`], [`sampled_cost`] | the discretisation of model and cost |
 //! | [`dare`], [`care`], [`lqr`] | Riccati equations and the gains |
-//! | [`poles`], [`structural`], [`singular_values`] | eigenvalues, controllability, observability, and how sharp they are |
+//! | [`poles`], [`structural`], [`singular_values`] | eigenvalues, controllability, observability; conditioning |
 //! | [`controller`], [`margins`] | loops, their gain, phase, delay and modulus margins |
-//! | [`late`] | current and sensors that are late, as states |
-//! | `late_loop` | the loop around them; the law that predicts |
+//! | [`late`] | the sampled plant with delays of the current and delays and filters of the sensors |
+//! | `late_loop` | the loop around that plant; the law that predicts over a delay |
 //! | [`excursions`] | weights from allowed excursions (Bryson's rule), and back |
 //! | [`frequency_response`] | the open loop over frequency: Bode and Nyquist |
-//! | [`linear_response`] | the loop's answer to a torque that stays and to a push, with bands from the parameters |
-//! | [`sensor_noise`] | what the noise of the sensors does to angle and current |
-//! | [`disturbance`] | what a disturbing torque does to the loop |
+//! | [`linear_response`] | the loop's response to a constant torque and to a push, with bands |
+//! | [`sensor_noise`] | standard deviations of angle, wheel speed and current that the sensors' noise causes |
+//! | [`disturbance`] | largest gains of the loop from a disturbing torque |
 //! | [`friction`], [`uncertainty`] | the loop around benches that differ from the model |
-//! | [`recovery`], [`wheel_sizing`] | what current and wheel speed allow |
-//! | [`angle_bias`], [`bias_observer`] | what a wrong angle costs, and its cure |
+//! | [`recovery`], [`wheel_sizing`] | the angle from which the limits of current and wheel speed let the body recover |
+//! | [`angle_bias`], [`bias_observer`] | the wheel speed that a bias of the angle causes, and the observer against it |
 //!
 //! States are (angle from upright in rad, rate in rad/s, wheel speed in rad/s), the input is the
 //! motor current in A, and the law is u = −K x throughout.

@@ -2,8 +2,8 @@
 //! the uncertainty of the parameters.
 //!
 //! The linear loop, x⁺ = M x + Ed d with the torque d held from sample to sample, is exact at the samples. The gains
-//! stay those of the nominal design while the parameters are drawn anew, as in [`crate::uncertainty`]: a bench differs
-//! from its model, and the law does not know.
+//! stay those of the nominal design while the parameters are drawn anew, as in [`crate::uncertainty`], because the law
+//! is not adapted to a bench that differs from its model.
 
 use nalgebra::{DMatrix, DVector, RowVector3, Vector3};
 use plant::LinearModel;
@@ -17,7 +17,7 @@ use crate::zero_order_hold::zero_order_hold;
 /// The torque that acts on the body from time zero on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DisturbanceTorque {
-    /// A torque that stays, N m.
+    /// A constant torque, N m.
     Step(f64),
     /// A torque over one sample, with this impulse, N m s.
     Push(f64),
@@ -41,35 +41,35 @@ pub struct LinearResponse {
     pub angle_rad: Vec<f64>,
     /// Wheel speed, rad/s.
     pub wheel_speed_rad_s: Vec<f64>,
-    /// Commanded current, A. No limit acts: beyond the drive's limit the answer is another.
+    /// Commanded current, A, without the drive's limit. Where it exceeds that limit, the response does not hold.
     pub current_a: Vec<f64>,
 }
 
-/// The middle 95 % of what the drawn parameter sets give, at every time of the response.
+/// The middle 95 % of the responses with the drawn parameter sets, at every time of the response.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Band {
-    /// 2.5 % lie below.
+    /// 2.5 % of the responses lie below.
     pub low: Vec<f64>,
-    /// 2.5 % lie above.
+    /// 2.5 % of the responses lie above.
     pub high: Vec<f64>,
 }
 
-/// A response with what the parameters leave open.
+/// A response with its bands under the uncertainty of the parameters.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct BandedResponse {
-    /// Of the nominal parameters.
+    /// The response of the nominal parameters.
     pub nominal: LinearResponse,
-    /// Of the angle, rad.
+    /// The band of the angle, rad.
     pub angle_band: Band,
-    /// Of the wheel speed, rad/s.
+    /// The band of the wheel speed, rad/s.
     pub wheel_speed_band: Band,
-    /// Of the current, A.
+    /// The band of the current, A.
     pub current_band: Band,
-    /// Parameter sets behind the bands: drawn, and a pendulum.
+    /// Number of drawn parameter sets behind the bands; sets that give no pendulum are not counted.
     pub sets: usize,
 }
 
-/// Share of the drawn sets that lies below the band, and of those above it.
+/// Share of the responses below the band, and the equal share above it.
 const OUTSIDE: f64 = 0.025;
 
 /// The loop of u = −`gains` x around `plant`, at about `points` sample times over `duration_s`, with the current
@@ -95,7 +95,7 @@ pub fn linear_response(
     let closed = controller.closed_loop_with_delay(&a, &b, sample_time_s, delay_s)?;
     let states = closed.nrows();
 
-    // The torque is one more state, which stays: then a power of the matrix leaps over samples exactly.
+    // The torque is one more, constant state, so that a power of the matrix is the exact step over several samples.
     let mut whole = DMatrix::zeros(states + 1, states + 1);
     whole.view_mut((0, 0), (states, states)).copy_from(&closed);
     whole.view_mut((0, states), (3, 1)).copy_from(&held);
@@ -159,19 +159,19 @@ fn power(matrix: &DMatrix<f64>, exponent: u32) -> DMatrix<f64> {
 pub struct ResponseSettings {
     /// Sample time, s.
     pub sample_time_s: f64,
-    /// How late the current reaches the plant, s.
+    /// Delay of the current at the plant, s.
     pub delay_s: f64,
-    /// How long, s.
+    /// Duration of the response, s.
     pub duration_s: f64,
-    /// About how many times.
+    /// Approximate number of times at which the response is computed.
     pub points: usize,
 }
 
-/// As [`linear_response`], with the bands of parameter sets in `drawn`; sets that give no pendulum are left out. No
-/// band where none is left.
+/// The response of [`linear_response`] with the bands of the parameter sets in `drawn`. Sets whose loop cannot be
+/// computed are left out; if none is left, the bands are empty.
 ///
 /// # Errors
-/// As for [`linear_response`] of the nominal plant.
+/// Numbers of the nominal plant or of `settings` that are not finite or not positive.
 pub fn banded_response(
     nominal: &UncertainLoop,
     drawn: &[UncertainLoop],
@@ -224,8 +224,8 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
     low + (high - low) * (at - below)
 }
 
-/// The plants of parameter sets drawn within the errors of `parameters`; sets for which `plant_of` gives none are
-/// left out.
+/// The plants of `samples` parameter sets that are drawn from the distribution of `parameters`. Sets for which
+/// `plant_of` returns `None` are left out.
 ///
 /// # Errors
 /// A matrix that is not a covariance.
@@ -271,8 +271,8 @@ mod tests {
         .unwrap()
     }
 
-    /// At rest under a steady torque d the angle is −d/G less what the wheel's friction holds: the motor's torque equals
-    /// the friction of the wheel, and body and motor together hold G α = −d (sum of both equations of motion).
+    /// Under a constant torque d the loop rests at the angle −d/G: at rest the motor's torque equals the friction of
+    /// the wheel, and the sum of both equations of motion is G α = −d.
     #[test]
     fn a_steady_torque_is_held_by_gravity() {
         let plant = plant(thesis::PARAMETERS);
@@ -302,7 +302,8 @@ mod tests {
         assert!((angle / golden - 1.0).abs() < 1e-4, "{angle} {golden}");
     }
 
-    /// A push gives the body its impulse over D at once, and is the derivative of the step's answer.
+    /// A push changes the body's rate by its impulse divided by D at once, and its response is the time derivative of
+    /// the response to a step.
     #[test]
     fn a_push_is_the_change_of_a_step() {
         let plant = plant(thesis::PARAMETERS);
@@ -321,7 +322,7 @@ mod tests {
             };
             let push = fine(DisturbanceTorque::Push(1e-3));
             let step = fine(DisturbanceTorque::Step(1.0));
-            // Samples of both: 0, 1, 2, …
+            // Both responses are given at the samples 0, 1, 2, …
             for k in 1..200 {
                 let change = step.angle_rad[k] - step.angle_rad[k - 1];
                 assert!((push.angle_rad[k] - change).abs() < 1e-9, "{delay_s} {k}");
@@ -329,7 +330,7 @@ mod tests {
         }
     }
 
-    /// With an error of the torque input alone the band is that of a normal factor: ±1.96 σ.
+    /// If only the torque input is uncertain, by a normal factor, the band is ±1.96 σ wide.
     #[test]
     fn a_band_is_what_was_drawn() {
         let nominal = plant(thesis::PARAMETERS);

@@ -61,11 +61,11 @@ pub fn margins(
     margins_with_delay(a, b, controller, sample_time_s, 0.0)
 }
 
-/// As [`margins`], for a loop whose current reaches the plant `delay_s` (s) late; the delay margin comes on top of
-/// `delay_s`.
+/// The margins of a loop whose current reaches the plant `delay_s` (s) late. The delay margin is a further delay, in
+/// addition to `delay_s`.
 ///
 /// # Errors
-/// As for [`margins`]; a negative delay.
+/// [`DesignError::UnstableLoop`] if the loop is unstable; wrong shapes; a negative delay.
 pub fn margins_with_delay(
     a: &DMatrix<f64>,
     b: &DMatrix<f64>,
@@ -77,11 +77,10 @@ pub fn margins_with_delay(
     late_margins(a, b, controller, sample_time_s, &lateness)
 }
 
-/// As [`margins`], for a loop with late current and late sensors. The delay margin is the further delay that the
-/// current may have.
+/// The margins of a loop with late current and late sensors. The delay margin is a further delay of the current.
 ///
 /// # Errors
-/// As for [`margins`]; a negative delay.
+/// [`DesignError::UnstableLoop`] if the loop is unstable; wrong shapes; a negative delay.
 pub fn late_margins(
     a: &DMatrix<f64>,
     b: &DMatrix<f64>,
@@ -178,7 +177,7 @@ pub(crate) struct OpenLoop<'a> {
     a: &'a DMatrix<f64>,
     b: &'a DMatrix<f64>,
     lateness: Lateness,
-    /// The plant with the loop's own lateness.
+    /// The plant with the delays and filters of the loop.
     plant: LatePlant,
     controller: &'a LinearController,
     sample_time_s: f64,
@@ -204,7 +203,7 @@ impl<'a> OpenLoop<'a> {
         })
     }
 
-    /// L at a frequency in rad/s; none at a pole.
+    /// L at a frequency in rad/s; `None` at a pole.
     pub(crate) fn at(&self, frequency: f64) -> Option<Complex<f64>> {
         self.through_plant(&self.plant, frequency)
     }

@@ -71,7 +71,7 @@ pub fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<Complex<f64>>, DesignErr
 /// Largest modulus of the eigenvalues: below one, a discrete loop is stable.
 ///
 /// # Errors
-/// Those of [`eigenvalues`].
+/// Entries that are not finite; [`DesignError::NoConvergence`] of the QR iteration.
 pub fn spectral_radius(matrix: &DMatrix<f64>) -> Result<f64, DesignError> {
     Ok(eigenvalues(matrix)?
         .iter()
@@ -83,7 +83,7 @@ pub fn spectral_radius(matrix: &DMatrix<f64>) -> Result<f64, DesignError> {
 /// [`eigenvalues`].
 ///
 /// # Errors
-/// Those of [`eigenvalues`].
+/// Entries that are not finite; [`DesignError::NoConvergence`] of the QR iteration.
 pub fn poles(matrix: &DMatrix<f64>) -> Result<Vec<Pole>, DesignError> {
     let values = eigenvalues(matrix)?;
     let mut balanced = matrix.clone();

@@ -16,22 +16,22 @@ use plant::LinearModel;
 /// Standard deviations of the noise of a single sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorNoise {
-    /// Of the angle, rad.
+    /// Noise of the angle, rad.
     pub angle_rad: f64,
-    /// Of the rate, rad/s.
+    /// Noise of the rate, rad/s.
     pub rate_rad_s: f64,
-    /// Of the wheel speed, rad/s.
+    /// Noise of the wheel speed, rad/s.
     pub wheel_speed_rad_s: f64,
 }
 
 /// Standard deviations in the loop if noise is the only disturbance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseInLoop {
-    /// Of the true angle, rad.
+    /// Standard deviation of the true angle, rad.
     pub angle_rad: f64,
-    /// Of the true wheel speed, rad/s.
+    /// Standard deviation of the true wheel speed, rad/s.
     pub wheel_speed_rad_s: f64,
-    /// Of the commanded current, A.
+    /// Standard deviation of the commanded current, A.
     pub current_a: f64,
 }
 
@@ -54,11 +54,11 @@ pub fn noise_in_loop(
     noise_in_late_loop(model, &controller, sample_time_s, &lateness, noise)
 }
 
-/// As [`noise_in_loop`], for any linear controller, with delays of current and sensors. The noise is that of the
-/// readings, after the sensors' filters.
+/// The effect of `noise` on the loop of any linear controller, with delays of current and sensors. `noise` is the noise
+/// of the readings, after the sensors' filters.
 ///
 /// # Errors
-/// As for [`noise_in_loop`].
+/// [`DesignError::UnstableLoop`]; numbers that are not finite.
 pub fn noise_in_late_loop(
     model: &LinearModel,
     controller: &LinearController,
@@ -94,7 +94,7 @@ pub fn noise_in_late_loop(
         .rows_mut(states, size - states)
         .copy_from(&(&controller.measurement * &stds));
     let command_variance = (&controller.feedthrough * &stds).norm_squared();
-    // The command that the states alone give.
+    // The part of the command that follows from the states, without the noise of this sample.
     let mut command = DMatrix::zeros(1, size);
     command
         .columns_mut(0, states)
@@ -118,7 +118,7 @@ pub fn noise_in_late_loop(
     Ok(NoiseInLoop {
         angle_rad: root(covariance[(0, 0)]),
         wheel_speed_rad_s: root(covariance[(2, 2)]),
-        // State and noise of the same sample are independent.
+        // State and noise of the same sample are independent: their variances add.
         current_a: root(by_state + command_variance),
     })
 }

@@ -1,4 +1,4 @@
-//! What a design is asked for.
+//! The requirements for a design.
 
 use crate::friction::FrictionExtremes;
 use crate::lqr::Weights;

@@ -97,7 +97,8 @@ pub fn observability(a: &DMatrix<f64>, c: &DMatrix<f64>) -> Result<StructuralRan
     controllability(&a.transpose(), &c.transpose())
 }
 
-/// How well the input reaches the mode λ: σ_min([A − λI, B])/‖A‖ in scaled coordinates; 0 if the mode is out of reach.
+/// The relative distance of the mode λ from being uncontrollable, σ_min([A − λI, B])/‖A‖ in scaled coordinates; 0 if
+/// the input does not reach the mode.
 ///
 /// # Errors
 /// Wrong shapes, entries that are not finite.
@@ -107,7 +108,7 @@ pub fn reach(a: &DMatrix<f64>, b: &DMatrix<f64>, mode: Complex<f64>) -> Result<f
 
 /// A and B in dimensionless coordinates.
 struct Scaled {
-    /// Balanced, of Frobenius norm one.
+    /// A after balancing, divided by its Frobenius norm.
     a: DMatrix<f64>,
     /// B in the coordinates of `a`, with each column scaled to norm one (a zero column stays zero).
     b: DMatrix<f64>,

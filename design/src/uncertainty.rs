@@ -29,7 +29,7 @@ pub struct UncertainParameters {
     pub names: Vec<String>,
     /// Values in SI units.
     pub values: Vec<f64>,
-    /// Covariance in products of those units.
+    /// Covariance of the values (n×n), in products of their units.
     pub covariance: DMatrix<f64>,
 }
 
@@ -132,7 +132,7 @@ impl UncertainParameters {
     }
 }
 
-/// One pole with its uncertainty. All in 1/s.
+/// One pole with its uncertainty; all numbers are in 1/s.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UncertainPole {
     /// The pole of the nominal model.
@@ -423,7 +423,7 @@ mod tests {
         parameters.covariance = &scale * scale.transpose();
         let study = study(&parameters, 500);
         for pole in &study.open_loop {
-            // The square root of a matrix of rank one keeps half the digits.
+            // The square root of a matrix of rank one has only half the digits of a double.
             let alone: f64 = pole.per_parameter.iter().map(|(_, by)| by.norm()).sum();
             assert!(pole.std_re < 1e-6 * alone && pole.sampled_std_re < 1e-6 * alone);
             assert!(alone > 1e-4 * pole.value.norm());
@@ -456,7 +456,7 @@ mod tests {
             let pole = &study.open_loop[2];
             let first_order = pole.std_re / pole.value.re;
             assert!((first_order / golden - 1.0).abs() < 1e-5, "{rho}: {pole:?}");
-            // Four standard errors of a standard deviation, and a per cent of curvature.
+            // Allowed are four standard errors of a sampled standard deviation, plus 1 % for the curvature.
             let allowed = 4.0 / (2.0 * samples as f64).sqrt() + 0.01;
             let ratio = pole.sampled_std_re / pole.std_re;
             assert!((ratio - 1.0).abs() < allowed, "{rho}: {pole:?}");

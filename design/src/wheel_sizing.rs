@@ -229,7 +229,7 @@ mod tests {
             }
             assert!((angle - push.release_angle_rad).abs() < 1e-8, "{degrees}");
             assert!((rate + push.release_rate_rad_s).abs() < 1e-7, "{degrees}");
-            // What is left is exactly what gravity takes until upright.
+            // The remaining kinetic energy is the energy that gravity takes on the way to upright.
             let energy = 0.5 * d * rate * rate;
             assert!((energy - BENCH.energy_to_recover_j(angle)).abs() < 1e-8 * push.energy_j);
             // j_w (α̈ + φ̈) = T.
@@ -240,7 +240,7 @@ mod tests {
 
     #[test]
     fn a_strong_motor_needs_only_momentum() {
-        // As T grows the push becomes a blow: Δφ̇ → (Θ/j_w) √(2E/D).
+        // For T → ∞ the push becomes an impulse with Δφ̇ → (Θ/j_w) √(2E/D).
         let strong = Sizing {
             largest_torque: 1e4,
             ..BENCH
@@ -249,7 +249,7 @@ mod tests {
         let d = BENCH.total_inertia - BENCH.wheel_inertia;
         let blow = BENCH.total_inertia / BENCH.wheel_inertia * (2.0 * push.energy_j / d).sqrt();
         assert!((push.wheel_speed_rad_s / blow - 1.0).abs() < 1e-4);
-        // And no weaker motor manages with less.
+        // A weaker motor needs a larger change of the wheel's speed.
         assert!(BENCH.least_push(0.2).unwrap().unwrap().wheel_speed_rad_s > blow);
     }
 
@@ -258,7 +258,7 @@ mod tests {
         let current = BENCH.angle_at_current_limit_rad().unwrap();
         assert!((current.to_degrees() - 15.86).abs() < 0.005);
         assert!(BENCH.least_push(current * 1.0001).unwrap().is_none());
-        // The bench's 700 rad/s leave the current as the limit in practice.
+        // At 700 rad/s, the bench's top speed, the current is the limit in practice.
         let fast = BENCH.recoverable_angle_rad(700.0).unwrap();
         assert!(fast < current && fast > 0.98 * current);
         // At 50 rad/s the wheel is the limit, and the push then uses all of it.

@@ -116,7 +116,8 @@ pub(crate) fn held_for(
 /// (Åström and Wittenmark, "Computer-Controlled Systems", 3rd ed., section 2.3).
 ///
 /// # Errors
-/// Those of [`zero_order_hold`]; [`DesignError::NotFinite`] for a delay outside 0..=T.
+/// Wrong shapes, entries that are not finite, a sample time that is not positive; [`DesignError::NotFinite`] for a
+/// delay outside 0..=T.
 pub fn zero_order_hold_delayed(
     a: &DMatrix<f64>,
     b: &DMatrix<f64>,

@@ -1,5 +1,5 @@
-//! A bench of dense logs, to time a diagnosis on what loggers really write: ten logs of equally many samples from
-//! the exam's simulator, with the teeth of a motor or without.
+//! A bench of dense logs, as real loggers write them, to time a diagnosis: ten logs of equally many samples from the
+//! exam's simulator, with or without the cogging of a motor.
 //!
 //!     cargo run --release -p exam --example dense -- DIR [cogging|plain] [SAMPLES] [SAMPLE_TIME_S] [SEED]
 //!

@@ -1,10 +1,11 @@
-//! How much hangs on each number that decides verdicts: every one is moved down and up by a quarter, one at
-//! a time, and the benches of some seeds are diagnosed again. Prints a table in Markdown, as
-//! `docs/guide/thresholds.md` has it.
+//! The influence of each threshold on the verdicts: every threshold is moved down and up by a quarter, one at
+//! a time, and the benches of some seeds are diagnosed again. Prints the table of `docs/guide/thresholds.md` in
+//! Markdown.
 //!
 //!     cargo run --release -p exam --example thresholds -- 0..40 [NAME …]
 //!
-//! With names, these thresholds alone. An hour for forty seeds and all of them; nothing of it runs in `cargo test`.
+//! With NAME, only these thresholds are moved. All thresholds over forty seeds take hours. `cargo test` does not run
+//! this program.
 
 use diagnose::{Options, Thresholds, diagnose_with};
 use exam::{ExamBench, draw};
@@ -18,7 +19,7 @@ struct Ready {
     fitted: Minimum,
 }
 
-/// What a diagnosis says, in words.
+/// The verdict of a diagnosis in words.
 fn said(ready: &Ready, thresholds: &Thresholds) -> String {
     let options = Options {
         suspects: &ready.bench.suspects,

@@ -8,7 +8,7 @@ use crate::draw::ExamBench;
 /// The true answer for a bench.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// The hidden effects of the library. If an outsider acts too, the effects that act beside it.
+    /// The hidden effects of the library, also those that are hidden together with an outsider.
     pub effects: Vec<EffectId>,
     /// True parameters in SI by name, as far as they are known.
     pub parameters: Vec<(String, f64)>,

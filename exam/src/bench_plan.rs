@@ -81,8 +81,8 @@ pub fn record(truth: &Truth, plan: &ExperimentPlan, noise: &ChannelNoise, seed: 
     let samples = (plan.duration_s / plan.sample_s) as usize + 1;
     let whole = (delay_s / plan.sample_s).floor();
     let fraction_s = delay_s - whole * plan.sample_s;
-    // The command that acts now is `whole` samples old; until `fraction_s` into the
-    // interval, the one before it still acts.
+    // The command that acts is `whole` samples old. For the first `fraction_s` of the interval, the command before it
+    // still acts.
     let mut history: VecDeque<f64> = VecDeque::from(vec![f64::NAN; whole as usize + 2]);
     let mut log = ExamLog {
         time_s: vec![],

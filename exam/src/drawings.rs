@@ -4,12 +4,13 @@ use figures::{Confusion, FigureError, Reliability, ReliabilityBin};
 
 use crate::marks::Marks;
 
-/// Share by which a stated probability may differ from how often it came true.
+/// Half width of the band in the figure: the difference between a stated probability and its frequency that is
+/// accepted.
 const TOLERANCE: f64 = 0.05;
 
 impl Marks {
-    /// The figures of an exam of so many benches, as SVG with the names of their files: which answers which hidden
-    /// effects got, and how often stated probabilities came true.
+    /// Two figures of an exam of `benches` benches, each with its file name and its SVG: the answers to each hidden
+    /// effect, and how often stated probabilities came true.
     ///
     /// # Errors
     /// [`FigureError`] if the counts are no square table.

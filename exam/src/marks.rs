@@ -163,7 +163,7 @@ impl Rate {
 pub struct ReliabilityShare {
     /// Mean stated probability.
     pub stated: f64,
-    /// How many of them came true.
+    /// The share of these statements that came true.
     pub came_true: Rate,
 }
 
@@ -174,14 +174,14 @@ pub struct Marks {
     pub first: Rate,
     /// The same benches: the effect is among the first two suspects.
     pub first_two: Rate,
-    /// One hidden effect, any size: marked right.
+    /// Benches with one hidden effect, of any size, that are marked right.
     pub one_right: Rate,
     /// Benches with two hidden effects, both with a trace of at least [`PLAIN`]: the diagnosis names both, alone or in
     /// a tie.
     pub both: Rate,
-    /// Outsiders called unexplained.
+    /// Outsiders that the diagnosis calls unexplained.
     pub outsiders: Rate,
-    /// Nothing hidden: false alarms.
+    /// Benches without a hidden effect on which the diagnosis gives a false alarm.
     pub false_alarms: Rate,
     /// Wrong confident verdicts among all benches.
     pub wrong: Rate,

@@ -12,7 +12,7 @@ use crate::marks::{Entry, Marks, Rate};
 pub struct CalibrationReport {
     /// Mean stated probability.
     pub stated: f64,
-    /// How many of them came true.
+    /// The share of these statements that came true.
     pub came_true: Rate,
 }
 
@@ -46,31 +46,32 @@ pub struct ExamReport {
     pub benches: usize,
     /// Seeds without a bench whose hidden term counts.
     pub void: Vec<u64>,
-    /// See [`Marks::first`].
+    /// Benches with one hidden effect, a trace of at least [`crate::PLAIN`] and no tie: the effect is the first
+    /// suspect.
     pub right_effect_first: Rate,
-    /// See [`Marks::first_two`].
+    /// The same benches: the effect is among the first two suspects.
     pub right_effect_among_first_two: Rate,
-    /// See [`Marks::both`].
+    /// Benches with two hidden effects, each with a trace of at least [`crate::PLAIN`]: the diagnosis names both.
     pub both_of_two: Rate,
-    /// See [`Marks::outsiders`].
+    /// Benches with an outsider: the verdict is "unexplained".
     pub outsiders_unexplained: Rate,
-    /// See [`Marks::false_alarms`].
+    /// Benches in which nothing is hidden: the verdict is a false alarm.
     pub false_alarms: Rate,
-    /// See [`Marks::wrong`].
+    /// All benches: the verdict is confident and wrong.
     pub wrong_confident: Rate,
-    /// See [`Marks::ties`].
+    /// Benches whose logs leave a tie: the verdict is "ambiguous".
     pub ties_called_ambiguous: Rate,
-    /// See [`Marks::coverage`].
+    /// 95 % intervals of added parameters: the interval contains the true value.
     pub interval_coverage: Rate,
     /// Stated probabilities compared with frequencies, by tenths.
     pub calibration: Vec<CalibrationReport>,
-    /// How many were marked right, by hidden effect.
+    /// Verdicts that were marked right, by hidden effect.
     pub by_effect: Vec<(String, Rate)>,
-    /// How many were marked right, by the size of the smallest hidden term in units of noise.
+    /// Verdicts that were marked right, by the size of the smallest hidden term in units of noise.
     pub by_size: Vec<(String, Rate)>,
-    /// How many were marked right, by the noise of the angle.
+    /// Verdicts that were marked right, by the noise of the angle.
     pub by_noise: Vec<(String, Rate)>,
-    /// Bench by bench.
+    /// The verdict and mark of every bench.
     pub verdicts: Vec<BenchReport>,
     /// Further files that were written.
     pub files: Vec<PathBuf>,

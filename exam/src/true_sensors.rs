@@ -1,5 +1,6 @@
-//! Sensors that need the time, simulated as finely as the true motion: a lag is followed from step to step, a delay
-//! reads what was said then. Before a log began everything stood as it was at its first sample.
+//! Sensors with a lag or a delay, simulated in the steps of the true motion. A lag is integrated from step to step; a
+//! delay reads an earlier value. Before a log began, every measured quantity is assumed to have its value at the first
+//! sample.
 
 use std::collections::VecDeque;
 
@@ -48,12 +49,12 @@ impl TrueSensors {
         sensors
     }
 
-    /// Whether they say at once what they measure.
+    /// Whether no sensor has a lag or a delay.
     pub fn are_prompt(&self) -> bool {
         self.lag_s.iter().chain(&self.delay_s).all(|&s| s == 0.0)
     }
 
-    /// Goes on to a time at which this is measured; between, it is a straight line.
+    /// Advances to `time_s`, at which the true values are `measured`; in between they change linearly.
     pub fn advance(&mut self, time_s: f64, measured: [f64; 3]) {
         let step_s = time_s - self.time_s;
         if step_s <= 0.0 {
@@ -62,7 +63,7 @@ impl TrueSensors {
         for (index, &lag_s) in self.lag_s.iter().enumerate() {
             let (before, after) = (self.measured[index], measured[index]);
             self.said[index] = if lag_s > 0.0 {
-                // The answer of T ẏ = v − y to a straight line v.
+                // The exact response of T ẏ = v − y to a linear v.
                 let behind = lag_s * (after - before) / step_s;
                 let left = (-step_s / lag_s).exp();
                 after - behind + (self.said[index] - before + behind) * left
@@ -100,7 +101,7 @@ impl TrueSensors {
 mod tests {
     use super::*;
 
-    /// A ramp that begins with the log is followed at a distance of a T behind a lag, and late by a delay.
+    /// The reading of a ramp a t tends to a (t − T) behind a lag T, and is a (t − δ) behind a delay δ.
     #[test]
     fn a_ramp_is_followed_as_the_equations_say() {
         let hidden = [

@@ -8,26 +8,26 @@ use plant::EffectId;
 /// A physical term that is not in the library. `p` are its parameters, in the order of [`Outsider::meaning`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Outsider {
-    /// See [`Outsider::meaning`].
+    /// A torque p₀ z exp(−z²) on the body with z = (α − p₁)/p₂.
     MagnetNearAnAngle,
-    /// See [`Outsider::meaning`].
+    /// A dry friction of the body that grows with time: p₀ t/20 s.
     FrictionThatGrows,
-    /// See [`Outsider::meaning`].
+    /// A dry friction p₀ of the body where p₁ < |α| < π/2.
     RubbingBeyondAnAngle,
-    /// See [`Outsider::meaning`].
+    /// A torque p₀ sin(p₁ t + p₂) cos α on the body.
     VibrationOfTheBase,
-    /// See [`Outsider::meaning`].
+    /// A torque −p₀ (α − p₁) on the body where p₁ < α < π/2.
     SoftStop,
-    /// See [`Outsider::meaning`].
+    /// A viscous drag of the wheel that grows with time: the torque −p₀ φ̇ t/10 s.
     WheelDragThatGrows,
-    /// See [`Outsider::meaning`].
+    /// A torque of the motor that falls with time: its factor is 1 − p₀ (1 − exp(−t/p₁)).
     SupplyThatSags,
-    /// See [`Outsider::meaning`].
+    /// A measured angle with the error p₀ sin(8 α + p₁).
     UnevenEncoder,
 }
 
 impl Outsider {
-    /// All terms.
+    /// All outsiders.
     pub const ALL: [Outsider; 8] = [
         Outsider::MagnetNearAnAngle,
         Outsider::FrictionThatGrows,
@@ -150,7 +150,7 @@ impl Hidden {
 /// The true pendulum: base parameters in SI, and hidden terms.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
-    /// Θ, j_w, G, τ.
+    /// Θ (kg m²), j_w (kg m²), G (N m), τ (N m/A).
     pub base: [f64; 4],
     /// r_b in N m s/rad.
     pub body_viscous: f64,

@@ -16,13 +16,13 @@ use crate::text;
 pub struct Banded<'a> {
     /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// Details, written below the title; may be empty.
     pub subtitle: &'a str,
     /// The shared horizontal axis.
     pub x: Quantity<'a>,
-    /// Whether it counts decades.
+    /// Whether the horizontal axis is logarithmic.
     pub x_in_decades: bool,
-    /// What the bands are, for the legend.
+    /// The meaning of the bands, for the legend.
     pub band_name: &'a str,
     /// The panels.
     pub panels: &'a [BandedPanel<'a>],
@@ -33,7 +33,7 @@ pub struct Banded<'a> {
 pub struct BandedPanel<'a> {
     /// Name and unit of the vertical axis.
     pub quantity: Quantity<'a>,
-    /// Whether the vertical axis counts decades.
+    /// Whether the vertical axis is logarithmic.
     pub in_decades: bool,
     /// Its lines.
     pub lines: &'a [BandedLine<'a>],
@@ -102,7 +102,8 @@ pub fn banded(figure: &Banded) -> Result<String, FigureError> {
     Ok(page.finish())
 }
 
-/// The axis covers the lines, their bands as far as they do not flatten the lines, and the limits likewise.
+/// The vertical axis of a panel. It covers the lines, and it extends towards bands and limits by at most twice the
+/// range that it then has, so that the lines do not look flat.
 fn y_axis(panel: &BandedPanel, height: f64) -> Axis {
     let lines = panel.lines.iter();
     let core = extent(lines.clone().flat_map(|line| line.y.iter().copied()));

@@ -148,7 +148,7 @@ impl Frame {
         self.y_caption_at(svg, left, self.top - CAPTION_GAP, quantity)
     }
 
-    /// The same with its baseline at `y`.
+    /// Name and unit of the vertical axis with the baseline at `y`; returns the width that it takes.
     pub fn y_caption_at(&self, svg: &mut Svg, left: f64, y: f64, quantity: Quantity) -> f64 {
         let caption = self.y.caption(quantity);
         let room = self.right() - left;

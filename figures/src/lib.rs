@@ -18,8 +18,8 @@
 //! its first NaN and writes the NaN into the file, gives stacked panels
 //! different left edges so that one instant is not above itself, and numbers
 //! its clip paths by a global counter so that equal data give different files.
-//! Stacked panels on one time axis are most of what is drawn here; the writer
-//! for them is short.
+//! Most figures here are stacked panels on one time axis, and the writer for
+//! them is short.
 #![warn(missing_docs)]
 
 mod annotation;

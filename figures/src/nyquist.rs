@@ -13,7 +13,7 @@ use crate::svg::{Path, Stroke};
 pub struct Nyquist<'a> {
     /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// Details, written below the title; may be empty.
     pub subtitle: &'a str,
     /// The curves.
     pub curves: &'a [NyquistCurve<'a>],

@@ -12,7 +12,7 @@ use std::borrow::Cow;
 pub struct Overlay<'a> {
     /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// Details, written below the title; may be empty.
     pub subtitle: &'a str,
     /// Time of each sample in s; a gap in the log is a NaN in the channels.
     pub time_s: &'a [f64],

@@ -4,7 +4,7 @@ use crate::style::{self, LineRole};
 use crate::svg::{Anchor, Path, Stroke, Svg, Text};
 use crate::text;
 
-/// How an entry of the legend is drawn.
+/// The drawing of an entry of the legend.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Mark {
     Line {
@@ -251,7 +251,7 @@ pub(crate) fn lanes(
     places
 }
 
-/// Text above the upper right corner of something.
+/// Text that ends at `right`, shortened to `max_width` pixels.
 pub(crate) fn right_note(svg: &mut Svg, right: f64, baseline: f64, max_width: f64, note: &str) {
     let note = text::shorten(note, style::NOTE_SIZE, max_width);
     let at = Text::new(right, baseline, style::NOTE_SIZE, style::TEXT_MUTED);

@@ -6,13 +6,13 @@ use crate::frame::{self, Frame};
 use crate::page::Page;
 use crate::style;
 
-/// Where the panels stand on the page, in px.
+/// The positions of the panels on the page, in pixels.
 pub(crate) struct Panels {
     left: f64,
     /// Width of each.
     pub width: f64,
     height: f64,
-    /// Between one panel and the caption of the next.
+    /// Distance from one panel to the caption of the next.
     gap: f64,
 }
 

@@ -7,7 +7,7 @@ use crate::page::{self, Key, Mark, Page};
 use crate::style::{self, LineRole};
 use crate::svg::{Anchor, Path, Stroke, Text};
 
-/// Which plane the poles lie in.
+/// The plane in which the poles lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Plane {
     /// z-plane: stable within the unit circle.
@@ -22,7 +22,7 @@ pub enum Plane {
 pub struct Poles<'a> {
     /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// Details, written below the title; may be empty.
     pub subtitle: &'a str,
     /// z-plane or s-plane.
     pub plane: Plane,
@@ -43,7 +43,8 @@ pub struct PoleSet<'a> {
     pub cloud: &'a [(f64, f64)],
 }
 
-/// The widest labels are unknown before the axes are; this many pixels hold "0.9985" and "−1200".
+/// Space for the labels of the vertical axis, in pixels. It is chosen before the labels are known, and has room for
+/// "0.9985" and "−1200".
 const GUTTER: f64 = 62.0;
 /// A single panel has the width of the page, but not its height.
 const LARGEST_HEIGHT: f64 = 440.0;

@@ -1,4 +1,4 @@
-//! Whether stated probabilities come true.
+//! Figure: stated probabilities and the frequencies with which they came true.
 
 use crate::annotation::Quantity;
 use crate::axis::Axis;
@@ -12,7 +12,7 @@ use crate::svg::{Anchor, Path, Stroke, Text};
 pub struct Reliability<'a> {
     /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// Details, written below the title; may be empty.
     pub subtitle: &'a str,
     /// The bins.
     pub bins: &'a [ReliabilityBin],

@@ -12,7 +12,7 @@ use std::borrow::Cow;
 pub struct Series<'a> {
     /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// Details, written below the title; may be empty.
     pub subtitle: &'a str,
     /// The shared horizontal axis, such as time in s.
     pub x: Quantity<'a>,
@@ -20,11 +20,11 @@ pub struct Series<'a> {
     pub panels: &'a [Panel<'a>],
     /// Stretches to shade.
     pub regions: &'a [Region<'a>],
-    /// What the shading means, for the legend.
+    /// The meaning of the shading, for the legend.
     pub region_name: &'a str,
     /// Instants to mark.
     pub markers: &'a [Marker<'a>],
-    /// Beginning and end of a part to enlarge beside the whole.
+    /// Beginning and end, in the unit of the horizontal axis, of a part to enlarge beside the whole.
     pub zoom: Option<(f64, f64)>,
 }
 
@@ -46,7 +46,7 @@ pub struct Panel<'a> {
 pub struct Line<'a> {
     /// Name in the legend.
     pub name: &'a str,
-    /// What it stands for; gives the colour.
+    /// The meaning of the line, which decides its colour.
     pub role: LineRole,
     /// Horizontal values.
     pub x: &'a [f64],

@@ -13,7 +13,7 @@ use crate::svg::{Path, Stroke};
 pub struct Sphere<'a> {
     /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// Details, written below the title; may be empty.
     pub subtitle: &'a str,
     /// Readings before the calibration.
     pub before: &'a [[f64; 3]],

@@ -37,7 +37,7 @@ pub(crate) struct Stack<'a> {
     pub x: Quantity<'a>,
     pub rows: Vec<Row<'a>>,
     pub regions: &'a [Region<'a>],
-    /// What the regions are, for the legend.
+    /// The meaning of the regions, for the legend.
     pub region_name: &'a str,
     pub markers: &'a [Marker<'a>],
     /// A part of the axis that is drawn a second time, larger, on the right.
@@ -101,7 +101,7 @@ fn keys(stack: &Stack) -> Vec<Key> {
     keys
 }
 
-/// The vertical axis of a row over what lies within `window`, and the limits
+/// The vertical axis of a row over the data within `window`, and the limits
 /// that would flatten the data if the axis reached them.
 fn y_axis<'a>(row: &'a Row, window: Option<(f64, f64)>) -> (Axis, Vec<&'a Limit<'a>>) {
     let whole = (f64::NEG_INFINITY, f64::INFINITY);

@@ -14,7 +14,7 @@ use crate::text;
 pub struct Staircase<'a> {
     /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// Details, written below the title; may be empty.
     pub subtitle: &'a str,
     /// Names of the steps: "base model", "+ body-coulomb-friction", …
     pub steps: &'a [&'a str],
@@ -29,7 +29,7 @@ pub struct StaircaseTrace<'a> {
     pub name: &'a str,
     /// Whether the fit did not see this experiment.
     pub held_out: bool,
-    /// Root mean square error over the standard deviation of the sensor's
+    /// Root mean square error divided by the standard deviation of the sensor's
     /// noise, one value per step; NaN where there is none.
     pub rmse_over_floor: &'a [f64],
 }
@@ -37,9 +37,10 @@ pub struct StaircaseTrace<'a> {
 const FIT: LineRole = LineRole::Model;
 const HELD_OUT: LineRole = LineRole::Other(0);
 const LABEL_WIDTH: f64 = 260.0;
-/// Up to so many lines all have their names.
+/// Up to this number of lines, every line has its name.
 const ALL_NAMED: usize = 14;
-/// Of more, those with the largest errors have: so many by the last step, and up to so many by any.
+/// Of more lines, only some have their names: the first number of lines with the largest errors in the last step, and
+/// lines with the largest error in any step until the second number is reached.
 const NAMED: (usize, usize) = (4, 8);
 const BAND: &str = "#DCE3EA";
 
@@ -131,7 +132,7 @@ pub fn staircase(figure: &Staircase) -> Result<String, FigureError> {
     Ok(page.finish())
 }
 
-/// Which end of the lines.
+/// One end of the lines: the first or the last step.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum End {
     First,
@@ -151,7 +152,7 @@ fn bad_end(traces: &[StaircaseTrace]) -> End {
     }
 }
 
-/// Step and value at an end of a trace: the outermost that can be drawn.
+/// Step and value of the outermost point of a trace that can be drawn, at this end.
 fn at_end(trace: &StaircaseTrace, end: End) -> Option<(usize, f64)> {
     let mut drawn = trace
         .rmse_over_floor

@@ -85,8 +85,7 @@ pub(crate) const AXIS: &str = "#4A4A4A";
 pub(crate) const LIMIT: &str = "#6B6B6B";
 /// Shaded regions: where the model fails, where a loop is unstable.
 pub(crate) const REGION: &str = "#FBE7C6";
-/// What the sensor's own noise explains, and the edge of it, which is drawn
-/// on top of the data.
+/// The band of the sensor's own noise, and its edge, which is drawn on top of the data.
 pub(crate) const BAND: &str = "#DCE9F3";
 pub(crate) const BAND_EDGE: &str = "#2F4F6B";
 

@@ -1,4 +1,4 @@
-//! How probable each suspected effect is.
+//! Figure: the probability of each suspected effect.
 
 use crate::page::Page;
 use crate::style::{self, LineRole};
@@ -32,7 +32,7 @@ pub struct SuspectBar<'a> {
 pub fn suspects(figure: &Suspects) -> String {
     let mut page = Page::new(figure.title, figure.subtitle);
     if figure.suspects.is_empty() {
-        // Axes around nothing would say less.
+        // Without suspects, a sentence replaces the axes.
         let at = Text::new(
             style::PAGE_MARGIN,
             page.y + 18.0,
@@ -115,7 +115,8 @@ pub fn suspects(figure: &Suspects) -> String {
     page.finish()
 }
 
-/// No probability here is exactly none or all, whatever a sum of votes rounds to.
+/// A probability in percent. Values below 0.5 and above 99.5 are given as bounds, because no effect is certain or
+/// impossible.
 fn percent_label(probability: f64) -> String {
     let percent = probability * 100.0;
     match percent {

@@ -50,7 +50,7 @@ impl<'a> Text<'a> {
     }
 }
 
-/// How a line is stroked.
+/// The stroke of a line.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stroke<'a> {
     pub color: &'a str,

@@ -1,4 +1,4 @@
-//! How wide a text will be, and shortening and wrapping to a width.
+//! The estimated width of a text, and shortening and wrapping to a width.
 //!
 //! The font is known only where the figure is read, so widths are estimates
 //! with the advances of DejaVu Sans, the widest of the fonts asked for: a text

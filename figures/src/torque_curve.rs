@@ -12,7 +12,7 @@ use crate::svg::{Path, Stroke};
 pub struct TorqueCurve<'a> {
     /// The title: a sentence that says what the figure shows.
     pub title: &'a str,
-    /// More about it; may be empty.
+    /// Details, written below the title; may be empty.
     pub subtitle: &'a str,
     /// The horizontal axis, such as the body's angle.
     pub coordinate: Quantity<'a>,

@@ -80,15 +80,15 @@ pub struct ParameterInfo {
     pub name: &'static str,
     /// SI unit.
     pub unit: &'static str,
-    /// What the parameter is, in words.
+    /// The meaning of the parameter, in words.
     pub meaning: &'static str,
     /// Plausible range for benches of this size (centimetres to decimetres, tenths of
     /// a kilogram), in the parameter's unit. The exam draws from it, and reports mark values outside.
     pub plausible: (f64, f64),
     /// Physically possible range, in the parameter's unit. The fit stays inside.
     pub bounds: (f64, f64),
-    /// Whether the value is a torque, a torque per something, or an electrical value that is tied to the torque constant
-    /// through the back-EMF. Without a known torque, such a value is identifiable only per unit of inertia.
+    /// Whether the value is a torque, a torque per something, or an electrical value that is tied to the torque
+    /// constant through the back-EMF. Without a known torque, such a value is identifiable only per unit of inertia.
     pub is_torque: bool,
     /// Whether the fit adjusts the logarithm of the value, because its scale spans decades.
     pub logarithmic: bool,
@@ -138,7 +138,7 @@ pub enum RateFault {
     Bias,
 }
 
-/// What an unbalanced wheel adds to the left sides of the equations of motion.
+/// The terms that an unbalanced wheel adds to the left sides of the equations of motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Unbalance<S> {
     /// c in kg m²: the body's equation gains c (2α̈ + φ̈), the wheel's c α̈.
@@ -146,7 +146,8 @@ pub struct Unbalance<S> {
     /// The part of the unbalance's torque on the body that no acceleration causes, in N m, positive against the body's
     /// motion.
     pub body_torque: S,
-    /// The same of the wheel.
+    /// The part of the unbalance's torque on the wheel that no acceleration causes, in N m, positive against the
+    /// wheel's motion.
     pub wheel_torque: S,
 }
 
@@ -162,7 +163,7 @@ pub enum Given {
 /// The source of start values for the parameters of an effect, before any fit.
 #[derive(Clone, Copy, Debug)]
 pub enum StartFrom {
-    /// None: a fit starts from [`EffectInfo::starts`].
+    /// No measurement: a fit starts from [`EffectInfo::starts`].
     Stated,
     /// The damping of the measured motion. The effect has one parameter, the viscous friction of body or wheel.
     Damping,
@@ -199,9 +200,9 @@ pub struct EffectInfo {
     pub source: &'static str,
     /// What the effect looks like in the measurements.
     pub fingerprint: &'static str,
-    /// How common it is on real benches.
+    /// How common the effect is on real benches.
     pub prior: Prior,
-    /// Where in the model it acts.
+    /// The place in the model where the effect acts.
     pub role: Role,
     /// Its parameters. [`crate::Model`] assigns their positions in a parameter vector.
     pub parameters: &'static [ParameterInfo],
@@ -221,9 +222,10 @@ pub struct EffectInfo {
     pub has_kink: bool,
     /// For (i, j): the torque is linear in p[i] and in the product p[i] p[j], but not in p[j] alone.
     pub product: Option<(usize, usize)>,
-    /// For (i, j): with p[i] = p[j], the term equals the effect that it replaces; `None` if no finite parameters do that.
+    /// For (i, j): with p[i] = p[j], the term equals the effect that it replaces; `None` if no finite parameters do
+    /// that.
     pub limit: Option<(usize, usize)>,
-    /// How it enters the linear model.
+    /// How the effect enters the linear model.
     pub linearised: Linearised,
     /// The sensor that it distorts (role `Sensor` only).
     pub senses: Option<Output>,
@@ -250,7 +252,7 @@ pub struct EffectInfo {
     pub polar: Option<(usize, usize)>,
     /// Whether the effect moves the centre of mass of the wheel ([`Effect::unbalance`]).
     pub is_unbalance: bool,
-    /// Which of its parameters are measured and not fitted.
+    /// The parameters that are measured and not fitted, by index.
     pub given: &'static [(usize, Given)],
     /// Its ripple over the wheel's angle, if it has one.
     pub ripple: Option<Ripple>,

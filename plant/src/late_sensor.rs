@@ -1,15 +1,16 @@
-//! What the effects share that make a sensor late: each states its own sensor, cause and picture.
+//! The common parts of the effects that make a sensor late, by a delay or by a filter. Each of these effects adds its
+//! own sensor, cause and fingerprint.
 
 use crate::effect::{EffectInfo, ParameterInfo, Role, Timing};
 use crate::hiding::Hiding;
 
-/// A sensor that says what was true some time ago.
+/// A sensor whose reading at time t is the measured quantity at t − δ.
 pub(crate) const DELAYED: EffectInfo = EffectInfo {
     sensor_timing: Some(Timing::Delay),
     ..LATE
 };
 
-/// A sensor that follows the truth through a first-order filter.
+/// A sensor whose reading is the measured quantity behind a first-order low-pass filter.
 pub(crate) const LAGGING: EffectInfo = EffectInfo {
     sensor_timing: Some(Timing::Lag),
     ..LATE

@@ -1,7 +1,7 @@
 //! A torque that was learned from the logs: a smooth curve over one coordinate of the motion.
 //!
-//! It stands for a torque that no effect of the library accounts for, and explains nothing. Its parameters are the
-//! torques at its knots, as they act; between them lies a cubic spline ([`Spline`]).
+//! A learned torque stands in for physics that no effect of the library describes; it does not explain this physics.
+//! Its parameters are the torques in N m at the knots of a cubic spline ([`Spline`]).
 
 use std::sync::{Mutex, PoisonError};
 
@@ -43,7 +43,7 @@ impl LearnedCoordinate {
 }
 
 impl LearnedCurve {
-    /// The effect: a torque in N m on body or wheel, with one parameter a knot. `None` with fewer knots than
+    /// The effect: a torque in N m on body or wheel, with one parameter for each knot. `None` with fewer knots than
     /// [`FEWEST_KNOTS`], more than [`MOST_KNOTS`], or knots that do not increase.
     pub fn effect(
         coordinate: LearnedCoordinate,
@@ -70,7 +70,7 @@ impl LearnedCurve {
     }
 }
 
-/// The parameter's name of a knot, counted from 0. It lives as long as the program, once.
+/// The name of the parameter of knot number `knot`, counted from 0. Each name is leaked only once.
 fn parameter_name(coordinate: LearnedCoordinate, knot: usize) -> &'static str {
     static NAMES: Mutex<Vec<(LearnedCoordinate, usize, &'static str)>> = Mutex::new(vec![]);
     let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);

@@ -24,7 +24,7 @@ pub const MOST_KNOTS: usize = 24;
 pub const FEWEST_KNOTS: usize = 4;
 
 impl LearnedCoordinate {
-    /// All of them.
+    /// All coordinates.
     pub const ALL: [LearnedCoordinate; 4] = [
         LearnedCoordinate::Angle,
         LearnedCoordinate::Rate,
@@ -90,7 +90,7 @@ impl LearnedCoordinate {
     }
 }
 
-/// The shape of a learned curve, and what is known of it before the logs are read.
+/// The shape of a learned curve, and the smoothness that is assumed of it before the logs are read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LearnedCurve {
     /// The coordinate.

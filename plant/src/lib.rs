@@ -9,12 +9,12 @@
 //! | `scalar` | numbers with and without derivatives |
 //! | `effect` | the definition of an effect |
 //! | `hiding` | how the exam hides an effect |
-//! | `hidden` | its parameters, hidden in a given bench |
-//! | `external` | effects that come while the program runs |
+//! | `hidden` | the parameters of an effect that the exam hides in a given bench |
+//! | `external` | effects that are defined while the program runs |
 //! | `learned_curve`, `spline` | curves over a coordinate, as data |
 //! | `learned` | torques that were learned as curves |
-//! | `late_sensor` | what the effects share that make a sensor late |
-//! | `effects/` | the library, one file an effect |
+//! | `late_sensor` | the common parts of the effects that delay or filter a sensor |
+//! | `effects/` | the library, one file for each effect |
 //! | `per_log` | effects with a parameter for each log |
 //! | `model` | which effects a model has; the layout of its parameter vector |
 //! | `plant/` | the motion: right-hand side, assembly, motor chain, integrator |

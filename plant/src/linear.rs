@@ -22,7 +22,7 @@ pub struct LinearModel {
 pub enum LinearisationError {
     /// Θ, j_w or Θ − j_w is not positive.
     #[error(
-        "the inertias make no sense: total_inertia = {total} and wheel_inertia = {wheel} (kg m2); \
+        "total_inertia = {total} kg m2 and wheel_inertia = {wheel} kg m2 are not possible together; \
          0 < wheel_inertia < total_inertia is needed"
     )]
     Inertia {
@@ -32,7 +32,10 @@ pub enum LinearisationError {
         wheel: f64,
     },
     /// There is no equilibrium of the body near the requested angle.
-    #[error("the body has no equilibrium near {near_rad} rad with these parameters")]
+    #[error(
+        "the body has no equilibrium near {near_rad} rad; check the parameters of its torques, such as gravity and \
+         springs"
+    )]
     NoEquilibrium {
         /// Where the search started, rad.
         near_rad: f64,
@@ -116,7 +119,8 @@ pub fn torque_inputs(model: &Model, values: &[f64]) -> [Vector3<f64>; 2] {
     ]
 }
 
-/// Whether a torque that was learned has been seen where the model is linearised; other effects hold everywhere.
+/// Whether the logs have shown a learned torque where the model is linearised: at the angle `near_rad`, or at rate and
+/// speed zero. True for every effect with an equation, which holds everywhere.
 pub fn has_seen(effect: EffectId, near_rad: f64) -> bool {
     effect.info().learned.is_none_or(|curve| {
         curve.has_seen(match curve.coordinate {
@@ -137,7 +141,7 @@ fn kept(
     for &effect in model.effects() {
         let info = effect.info();
         match info.linearised {
-            // A learned torque or an own effect that no log has shown there counts as zero.
+            // A learned torque that no log has shown there counts as zero.
             Linearised::Exactly if !has_seen(effect, near_rad) => {}
             Linearised::Exactly => effects.push(effect),
             Linearised::AsDryFriction if keep_dry_friction => {

@@ -12,7 +12,8 @@ use std::sync::{Mutex, PoisonError};
 use crate::EffectId;
 use crate::effect::{EffectInfo, ParameterInfo};
 
-/// An effect of the library made for the logs of a bench. Those of the same logs are one and the same.
+/// An effect of the library made for the logs of a bench. Two that are made from the same effect for the same logs are
+/// equal.
 #[derive(Clone, Copy)]
 pub struct PerLog(&'static Made);
 
@@ -39,7 +40,7 @@ impl PerLog {
         &self.0.info
     }
 
-    /// Which of its parameters is that of a log.
+    /// The index of the parameter that belongs to `log`.
     pub fn parameter_of(self, log: &str) -> Option<usize> {
         self.0.logs.iter().position(|own| own == log)
     }
@@ -149,7 +150,7 @@ impl EffectId {
     }
 }
 
-/// The name of a log's parameter: what stands after the stroke is the name of the experiment.
+/// The name of a log's parameter: `NAME/LOG`, with the name of the log (that of its experiment) after the slash.
 fn parameter_name(template: &str, log: &str) -> String {
     let own = template.split_once('/').map_or(template, |(own, _)| own);
     format!("{own}/{log}")
@@ -179,7 +180,7 @@ mod tests {
             let plant = plant.clone().for_log(log);
             assert_eq!(plant.read(&State::rest()).angle_rad, expected);
         }
-        // More logs: the same effect, whose parameters take the place of those of fewer.
+        // The effect made for more logs replaces the one made for fewer: 6 base and friction parameters plus 3.
         let more = zero.for_logs(&["a".to_owned(), "b".to_owned(), "c".to_owned()]);
         assert_eq!(model.with(more).parameter_count(), 9);
         assert_eq!(EffectId::AngleZero.log_of("angle_zero/a/b"), Some("a/b"));

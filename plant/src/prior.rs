@@ -14,7 +14,8 @@ pub enum Commonness {
 }
 
 impl Commonness {
-    /// The prior odds that a bench has it. Judgement: each class is three times as common as the one below.
+    /// The prior odds that a bench has an effect of this class. They are a judgement: each class is three times as
+    /// common as the class below.
     pub fn odds(self) -> f64 {
         match self {
             Commonness::Rare => 1.0 / 9.0,

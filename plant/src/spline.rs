@@ -13,15 +13,15 @@ pub struct Spline {
     knots: Vec<f64>,
     /// Length after which the curve repeats; `None` for a natural one, which is constant outside of its knots.
     period: Option<f64>,
-    /// Second derivatives at the knots per value, row by row.
+    /// Second derivatives at the knots (rows) per value at a knot (columns), n×n.
     curvature: DMatrix<f64>,
-    /// ∫f″² as a quadratic form of the values.
+    /// The matrix Q (n×n) of [`Spline::roughness`].
     roughness: DMatrix<f64>,
 }
 
 impl Spline {
-    /// A spline over increasing knots, at least four; with a period the last knot lies within it of the first.
-    /// `None` for other knots.
+    /// A spline over at least four increasing knots. If it is periodic, first and last knot are less than `period`
+    /// apart. `None` for other knots.
     pub fn new(knots: &[f64], period: Option<f64>) -> Option<Spline> {
         let n = knots.len();
         let span = knots.last()? - knots.first()?;
@@ -70,7 +70,7 @@ impl Spline {
         for (row, &knot) in inner.iter().enumerate() {
             curvature.set_row(knot, &of_inner.row(row));
         }
-        // f″ is linear between knots: ∫ = Σ h (m² + m m₊ + m₊²)/3.
+        // f″ is linear between knots: ∫f″² = Σ h (m² + m m₊ + m₊²)/3.
         let mut gram = DMatrix::zeros(n, n);
         for interval in 0..intervals {
             let (from, to, h) = (interval, (interval + 1) % n, width(interval));
@@ -134,7 +134,7 @@ impl Spline {
             -(3.0 * a * a - 1.0) * h / 6.0,
             (3.0 * b * b - 1.0) * h / 6.0,
         );
-        // Stored by columns: a column holds what one value does to the curvature at every knot.
+        // Stored by columns: a column holds the effect of one value on the second derivative at every knot.
         for (column, (weight, slope)) in weights.iter_mut().zip(slopes.iter_mut()).enumerate() {
             let (m, m_next) = (self.curvature[(from, column)], self.curvature[(to, column)]);
             *weight = of_from * m + of_to * m_next;
@@ -154,7 +154,7 @@ impl Spline {
         weights.iter().zip(values).map(|(w, v)| w * v).sum()
     }
 
-    /// The steepest slope at the knots, as an amount.
+    /// The largest |f′| at the knots.
     pub fn steepest(&self, values: &[f64]) -> f64 {
         let n = self.knots.len();
         let (mut weights, mut slopes) = (vec![0.0; n], vec![0.0; n]);

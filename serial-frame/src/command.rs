@@ -9,7 +9,7 @@ pub const COMMAND_BYTES: usize = 12;
 /// The task of the firmware.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Task {
-    /// Send what the sensors say; the motor gets no current.
+    /// Send the readings of the sensors; the motor gets no current.
     #[default]
     Watch,
     /// Arm the controller, which then balances.
@@ -21,17 +21,17 @@ pub enum Task {
     },
 }
 
-/// A wish of the program. It is repeated well within its lease, for a line that falls silent must stop
-/// the motor.
+/// A command of the program. The program repeats it well within its lease, because the motor must stop if the line
+/// falls silent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Command {
-    /// What is to be done.
+    /// The task.
     pub task: Task,
-    /// The number of the wish: a task that tripped is begun again only for another number.
+    /// The number of the command. A task that has tripped begins again only for another number.
     pub wish: u8,
-    /// Every how many steps a frame is sent; 0 counts as 1.
+    /// Number of steps from one frame to the next; 0 counts as 1.
     pub every: u8,
-    /// So long after this command the motor is let go, ms.
+    /// Time in ms after this command at which the firmware switches the motor off, unless another command comes.
     pub lease_ms: u16,
 }
 

@@ -2,7 +2,7 @@
 
 use crate::MESSAGE_BYTES_MAX;
 
-/// A message under way; what does not fit is left out.
+/// A message that is being written; fields that do not fit are left out.
 pub(crate) struct Writer {
     bytes: [u8; MESSAGE_BYTES_MAX],
     length: usize,

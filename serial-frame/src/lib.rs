@@ -47,7 +47,7 @@ pub use telemetry::{NO_FIELD, TELEMETRY_BYTES, Telemetry};
 /// The version of both messages.
 pub const VERSION: u8 = 1;
 
-/// Most bytes of a message before it is stuffed.
+/// Largest number of bytes of a message before COBS.
 pub const MESSAGE_BYTES_MAX: usize = TELEMETRY_BYTES;
 
 /// Largest number of bytes of a frame on the line. COBS adds one byte to a message of up to 254 bytes, and a zero byte

@@ -2,14 +2,14 @@
 
 use crate::{Command, FRAME_BYTES_MAX, MESSAGE_BYTES_MAX, Telemetry, crc16};
 
-/// Why bytes between two zeros are no message.
+/// The reason why the bytes between two zeros are no message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {
     /// More bytes than the longest frame has.
     TooLong,
     /// COBS cannot be undone, or the CRC differs: bytes were lost or changed.
     Damaged,
-    /// Whole, but of another kind, version or task.
+    /// The frame is whole, but its message has another length, version or task.
     Unknown,
 }
 

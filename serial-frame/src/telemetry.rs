@@ -6,8 +6,8 @@ use crate::{Frame, VERSION};
 /// Bytes of the message with its CRC.
 pub const TELEMETRY_BYTES: usize = 44;
 
-/// In each component of the magnetometer: there is no new reading. In a component of the others: the bench has no such
-/// sensor.
+/// The value of a component without a reading. In all components of the magnetometer it means that there is no new
+/// reading; in gyroscope and accelerometer, that the bench has no such sensor.
 pub const NO_FIELD: i16 = i16::MIN;
 
 /// One step of the firmware: its readings, its state, and the duty that it sent to the drive.
@@ -15,9 +15,9 @@ pub const NO_FIELD: i16 = i16::MIN;
 pub struct Telemetry {
     /// Status of the controller after the step, the emitted module's number.
     pub status: u8,
-    /// One more each step, also where no frame was sent; wraps.
+    /// Number of the step. Steps without a frame count, too; wraps.
     pub sequence: u16,
-    /// When the sensors were read, µs; wraps.
+    /// Time at which the sensors were read, µs; wraps.
     pub time_us: u32,
     /// Gyroscope x y z, raw counts; with an encoder on the pivot its count as its bits, and twice [`NO_FIELD`].
     pub gyro: [i16; 3],
@@ -27,7 +27,7 @@ pub struct Telemetry {
     pub mag: Option<[i16; 3]>,
     /// The wheel's sensor: the converter's counts, an encoder's count, or a driver's speed as its bits.
     pub wheel: u16,
-    /// Duty that the step decided.
+    /// Duty that the step returned, counts.
     pub duty: u16,
     /// Body angle from upright, word of the module's `Angle`.
     pub angle: i32,

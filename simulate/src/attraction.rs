@@ -28,7 +28,7 @@ pub struct Attraction {
     pub size: f64,
     /// The smallest size with a start without return.
     pub lost_size: f64,
-    /// That start: angle from upright (rad), rate and wheel speed (rad/s).
+    /// The start of this size that did not return: angle from upright (rad), rate and wheel speed (rad/s).
     pub lost: [f64; 3],
     /// Largest angle (rad), rate and wheel speed (rad/s) of the set of size s.
     pub extents: [f64; 3],

@@ -109,13 +109,13 @@ pub(crate) struct Answer {
 /// Largest differences between two runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
-    /// Of the angle, rad.
+    /// Largest difference of the angle, rad.
     pub angle_rad: f64,
-    /// Of the rate, rad/s.
+    /// Largest difference of the rate, rad/s.
     pub rate_rad_s: f64,
-    /// Of the wheel speed, rad/s.
+    /// Largest difference of the wheel speed, rad/s.
     pub wheel_speed_rad_s: f64,
-    /// Of the command, A.
+    /// Largest difference of the command, A.
     pub current_a: f64,
 }
 
@@ -204,7 +204,7 @@ impl ClosedLoop<'_> {
         .map(|(trace, _)| trace)
     }
 
-    /// As [`ClosedLoop::run`], until `over` returns `true`; also returns the last state.
+    /// Runs the loop like [`ClosedLoop::run`], but ends as soon as `over` returns `true`; also returns the last state.
     pub(crate) fn run_until(
         &self,
         start: &State<f64>,

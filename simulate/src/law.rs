@@ -25,7 +25,7 @@ impl Measured {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the control law failed: {message}")]
 pub struct LawFailure {
-    /// What happened.
+    /// The cause of the failure.
     pub message: String,
 }
 

@@ -41,7 +41,8 @@ pub enum Motion<'a> {
 }
 
 impl Motion<'_> {
-    /// The sensors that need the time, in a run that starts here; before it everything stood still.
+    /// The sensors with a lag or a delay, in a run from `start` before which everything stood still; `None` if the
+    /// plant has none.
     pub fn late_sensors(&self, start: &State<f64>) -> Option<Late<f64>> {
         match self {
             Motion::Nonlinear(plant) => plant.late_sensors(start),

@@ -32,13 +32,13 @@ pub struct OverlaidChannel {
     pub name: &'static str,
     /// As measured; the angle in rad from upright, other channels in SI units.
     pub measured: Vec<f64>,
-    /// As the simulated controller received it.
+    /// The channel as the simulated controller received it, in the unit of `measured`.
     pub simulated: Vec<f64>,
-    /// Root mean square of their difference.
+    /// Root mean square of measured − simulated, in the unit of `measured`.
     pub rms_difference: f64,
-    /// Standard deviation of the measurement.
+    /// Standard deviation of the measured channel, in the unit of `measured`.
     pub measured_std: f64,
-    /// Standard deviation of the simulation.
+    /// Standard deviation of the simulated channel, in the unit of `measured`.
     pub simulated_std: f64,
     /// Fit in percent: 100·(1 − ‖y − ŷ‖/‖y − mean y‖).
     pub fit_percent: f64,

@@ -25,7 +25,7 @@ const FALL_TIMES: f64 = 100.0;
 /// `resolution_rad`. The pushes of `on` act.
 ///
 /// # Errors
-/// Those of [`ClosedLoop::run`]; a resolution that is not positive.
+/// Times or a resolution that are not positive; a law that fails; a motion that is no longer finite.
 pub fn largest_recoverable_angle(
     on: &ClosedLoop<'_>,
     scale: &Scale,

@@ -116,7 +116,7 @@ impl Scenario {
         }
     }
 
-    /// All of them.
+    /// The three scenarios.
     pub fn all(scale: &Scale) -> [Scenario; 3] {
         [
             Scenario::transient(scale),
@@ -129,7 +129,7 @@ impl Scenario {
     /// pushes instead of those of `on`.
     ///
     /// # Errors
-    /// Those of [`ClosedLoop::run`].
+    /// Times that are not positive; a law that fails; a motion that is no longer finite.
     pub fn run(
         &self,
         on: &ClosedLoop<'_>,

@@ -9,14 +9,14 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::{PI, TAU};
 
-/// One channel.
+/// The noise, quantisation and limit of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensor {
-    /// Standard deviation of the noise, Gaussian and independent from sample to sample.
+    /// Standard deviation of the noise in the channel's unit, Gaussian and independent from sample to sample.
     pub noise_std: f64,
-    /// Step of the converter; zero for none.
+    /// Step of the converter in the channel's unit; zero for none.
     pub step: f64,
-    /// Largest magnitude of a reading.
+    /// Largest magnitude of a reading in the channel's unit.
     pub range: f64,
 }
 
@@ -29,7 +29,7 @@ impl Sensor {
     };
 
     fn read(&self, truth: f64, random: &mut ChaCha8Rng) -> f64 {
-        // Drawn even if the noise is zero, so that every law receives the same noise.
+        // A number is drawn even if the noise is zero, so that every law receives the same noise.
         let normal: f64 = StandardNormal.sample(random);
         let noisy = truth + self.noise_std * normal;
         let stepped = if self.step > 0.0 {
@@ -53,7 +53,7 @@ pub struct Sensors {
 }
 
 impl Sensors {
-    /// Three such channels.
+    /// Three channels without noise, quantisation or limit.
     pub const PERFECT: Sensors = Sensors {
         angle: Sensor::PERFECT,
         rate: Sensor::PERFECT,

@@ -71,7 +71,7 @@ pub struct WithEffects {
     pub effects: Vec<EffectId>,
     /// The run.
     pub trace: LoopTrace,
-    /// Its figures.
+    /// The measures of the run.
     pub transient: Transient,
 }
 
@@ -80,7 +80,7 @@ pub struct WithEffects {
 /// of `model`. The loop is that of `on`, with its plant replaced.
 ///
 /// # Errors
-/// Those of [`ClosedLoop::run`].
+/// Times that are not positive; a law that fails; a motion that is no longer finite.
 pub fn effects_on_transient(
     model: &Model,
     values: &[f64],

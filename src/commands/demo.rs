@@ -137,7 +137,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     )
 }
 
-/// The figures that tell the story.
+/// The most instructive figures, which the text lists by name.
 fn told(figures: &[PathBuf]) -> Vec<PathBuf> {
     let parts = ["free-swing-20-deg", "staircase", "suspects", "half-minute"];
     let is_told = |path: &&PathBuf| {

@@ -56,7 +56,7 @@ pub struct Arguments {
     pub output: JsonOutput,
 }
 
-/// Everything that the text says.
+/// All results of the command, for the JSON.
 #[derive(Serialize)]
 struct Everything<'a> {
     #[serde(flatten)]
@@ -67,7 +67,7 @@ struct Everything<'a> {
     sweeps: &'a [DesignSweep],
 }
 
-/// A design beside the first.
+/// One of the designs that are compared.
 #[derive(Serialize)]
 struct Compared<'a> {
     name: &'a str,
@@ -160,7 +160,7 @@ fn designed(arguments: &Arguments) -> Result<ControlDesign, Failure> {
     let mut file = ModelFile::read(&arguments.model)?;
     let mut wishes = match file.design {
         Some(wishes) => wishes,
-        // A model of a bench that was identified and not designed for yet.
+        // The model has no [design], as after an identification.
         None if arguments.weights.is_some() || arguments.excursions.is_some() => DesignSection {
             sample_time_s: given(arguments.sample_time, "--sample-time S", &arguments.model)?,
             state_weights: [0.0; 3],
@@ -196,7 +196,7 @@ fn given(value: Option<f64>, option: &str, model: &Path) -> Result<f64, Failure>
     value.ok_or_else(|| {
         Failure::in_file(
             model,
-            format!("has no [design]: then {option} is needed too"),
+            format!("the model has no [design]; state {option}, too"),
         )
     })
 }
@@ -216,7 +216,7 @@ fn named<'a>(name: &'a str, found: &'a (DesignReport, LoopExpectations)) -> Name
     }
 }
 
-/// Names by which designs can be told apart: those of the models, or their paths where two have one name.
+/// A different name for each design: the name of its model, or the model's path where two models have the same name.
 fn names_of(
     first: &str,
     model: &Path,
@@ -243,34 +243,39 @@ fn four(text: &str) -> Result<[f64; 4], String> {
     let numbers: Vec<f64> = numbers.collect::<Result<_, _>>()?;
     let count = numbers.len();
     numbers.try_into().map_err(|_| {
-        format!("{count} numbers; four are needed: angle, rate, wheel speed, current, as in 25,0.5,5e-4,1")
+        format!(
+            "{count} numbers are given, and four are needed: angle, rate, wheel speed, current, as in \
+             25,0.5,5e-4,1"
+        )
     })
 }
 
-/// Most values of a sweep.
+/// Largest number of values of a sweep.
 const MOST_VALUES: usize = 1000;
 
 fn sweep(text: &str) -> Result<(Swept, Vec<f64>), String> {
     let form = "KEY=FROM:TO:COUNT, as in current-weight=0.1:10:21";
-    let (key, range) = text.split_once('=').ok_or(format!("it is {form}"))?;
+    let (key, range) = text.split_once('=').ok_or(format!("the form is {form}"))?;
     let swept = Swept::ALL.into_iter().find(|one| one.name() == key);
     let names = || Swept::ALL.map(Swept::name).join(", ");
     let swept = swept.ok_or_else(|| format!("\"{key}\" is none of {}", names()))?;
     let parts: Vec<&str> = range.split(':').collect();
     let [from, to, count] = parts[..] else {
-        return Err(format!("it is {form}"));
+        return Err(format!("the form is {form}"));
     };
     let number = |part: &str| -> Result<f64, String> {
         let number = part
             .parse()
             .ok()
             .filter(|number: &f64| number.is_finite() && *number >= 0.0);
-        number.ok_or(format!("\"{part}\" is no number of zero or more"))
+        number.ok_or(format!(
+            "\"{part}\" is no number; zero or a positive number is needed"
+        ))
     };
     let (from, to) = (number(from)?, number(to)?);
     let count: usize = count
         .parse()
-        .map_err(|_| format!("\"{count}\" is no count of values"))?;
+        .map_err(|_| format!("COUNT is \"{count}\"; a whole number of values is needed"))?;
     if !(2..=MOST_VALUES).contains(&count) || to <= from {
         return Err(format!(
             "FROM < TO and a COUNT of 2 to {MOST_VALUES} are needed"
@@ -288,6 +293,8 @@ fn language(text: &str) -> Result<ExportLanguage, String> {
     match text {
         "python" => Ok(ExportLanguage::Python),
         "matlab" => Ok(ExportLanguage::Matlab),
-        _ => Err(format!("\"{text}\" is neither python nor matlab")),
+        _ => Err(format!(
+            "\"{text}\" is no language of an export; python or matlab is needed"
+        )),
     }
 }

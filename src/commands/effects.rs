@@ -42,6 +42,8 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
             let text = effects::whole(effect, &confusions);
             Report::new(text, &Explained { effect, confusions })
         }
-        None => Err(Failure::new(format!("there is no effect \"{name}\""))),
+        None => Err(Failure::new(format!(
+            "there is no effect \"{name}\"; flywheel effects lists the library"
+        ))),
     }
 }

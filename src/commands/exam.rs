@@ -70,7 +70,8 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     };
     if entries.is_empty() {
         return Err(Failure::new(
-            "none of these seeds gives a bench that can be marked: their hidden effects are too small to show",
+            "none of these seeds gives a bench that can be marked, because their hidden effects are too small to show; \
+             choose other seeds",
         ));
     }
     let marks = Marks::of(&entries);

@@ -38,7 +38,7 @@ pub struct Arguments {
     pub output: JsonOutput,
 }
 
-/// The benches that may stand in.
+/// The benches that can supply missing sensors and drive.
 #[derive(Clone, Copy, clap::ValueEnum)]
 pub enum PresetName {
     /// The bench of the thesis
@@ -129,7 +129,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     })
 }
 
-/// The law in one line, and what an observer adds.
+/// The law in one line, and lines about its observer, warnings and assumed properties.
 fn law(controller: &GeneratedController) -> String {
     let mut law = format!(
         "{}: u = −K x, K = ({}), one command every {} s, at most {} A\n",

@@ -40,7 +40,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     Report::new(text, &fitted)
 }
 
-/// Whether the session's model says what a controller is to be designed for.
+/// Whether the session's model has a section [design].
 pub fn has_design(session: &Session) -> bool {
     session.model().is_some_and(|model| model.design.is_some())
 }

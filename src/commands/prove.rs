@@ -56,7 +56,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     })
 }
 
-/// How the command ends.
+/// The outcome of the command, with its exit code.
 #[derive(Debug, PartialEq, Eq)]
 enum Ending {
     /// Exit code 0.

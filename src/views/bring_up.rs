@@ -3,7 +3,7 @@
 use workbench::BringUpReport;
 use workbench::numbers::significant;
 
-/// Everything.
+/// The whole text: signs, axes, contradictions.
 pub fn text(report: &BringUpReport) -> String {
     let sign = |found: Option<i8>, meaning: &str| match found {
         Some(1) => format!("+   {meaning}"),

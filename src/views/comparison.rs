@@ -10,8 +10,8 @@ use super::head_lines::head_lines;
 
 use crate::report::table::{Align, Table};
 
-/// Correlation from which two parameters are named. Given one of them, less than a fifth of the variance of the other
-/// remains (1 − 0.9²).
+/// Two parameters are listed if the correlation of their errors is at least this. If one of them were known, less than
+/// a fifth of the other's variance would remain (1 − 0.9²).
 const STRONG_CORRELATION: f64 = 0.9;
 
 /// [`head_lines`] of a comparison, with the warnings about its data and the contradictions.
@@ -38,7 +38,7 @@ pub fn whole(comparison: &ComparisonReport) -> String {
         + &remarks(comparison)
 }
 
-/// The same for a changed model, with the errors before and after.
+/// The text for a model after an effect was added or removed, with the errors before and after.
 pub fn changed(change: &EffectChange) -> String {
     let after = &change.after;
     head(after)

@@ -53,10 +53,7 @@ pub fn expectations(found: &LoopExpectations) -> String {
             format!("{}, nonlinear, from rest", degrees(angle_rad)),
         ]);
     }
-    for (name, answer) in [
-        ("a torque that stays", &found.step),
-        ("a push", &found.push),
-    ] {
+    for (name, answer) in [("a constant torque", &found.step), ("a push", &found.push)] {
         if let Some(answer) = answer {
             table.row([
                 format!("{name}: {}", with_prefix(answer.size, &answer.unit)),
@@ -109,7 +106,7 @@ fn answered(answer: &TorqueAnswer) -> String {
     )
 }
 
-/// The loop with all that makes the bench late, and what each sample time costs.
+/// The loop with all delays and filters of the bench, and the loops with other sample times.
 pub fn late(found: &LateLoop) -> String {
     let mut table = Table::without_head(&[Align::Left, Align::Left]);
     for part in &found.parts {
@@ -194,7 +191,7 @@ fn sample_time(row: &SampleTimeRow) -> [String; 7] {
     ]
 }
 
-/// One column a design.
+/// A table with one column for each design.
 pub fn side_by_side(all: &[NamedLoop]) -> String {
     let mut heads = vec![("", Align::Left)];
     heads.extend(all.iter().map(|one| (one.name, Align::Right)));

@@ -4,7 +4,7 @@ use workbench::{EffectConfusion, EffectDescription};
 
 use crate::report::table::{Align, Table};
 
-/// One line each, under what they act on.
+/// One line for each effect, grouped by the part on which it acts.
 pub fn list(library: &[EffectDescription]) -> String {
     let mut text = String::new();
     for role in ["body", "wheel", "motor", "sensor"] {
@@ -23,7 +23,7 @@ pub fn list(library: &[EffectDescription]) -> String {
     text + "flywheel effects NAME explains one; flywheel add NAME --bench BENCH puts it into a model.\n"
 }
 
-/// Everything about one.
+/// The whole description of one effect.
 pub fn whole(effect: &EffectDescription, confusions: &[EffectConfusion]) -> String {
     let mut text = format!(
         "{}: {}\n\nEquation ({})\n  {}\n  from {}\n\nWhat to look for\n  {}\n  experiments that show it: {}\n",

@@ -26,7 +26,7 @@ pub fn text(report: &ExamReport) -> String {
     };
     if !report.void.is_empty() {
         text.push_str(&format!(
-            " ({} seeds have none: their hidden term does not count)",
+            " ({} further seeds give no bench, because their hidden term is too small to count)",
             report.void.len()
         ));
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 use workbench::RecordReport;
 use workbench::numbers::number;
 
-/// The logs that were written, what was lost, and how to go on.
+/// The logs that were written, lost frames, and the next command.
 pub fn text(bench: &Path, report: &RecordReport) -> String {
     let mut text = String::new();
     for log in &report.logs {
@@ -20,8 +20,7 @@ pub fn text(bench: &Path, report: &RecordReport) -> String {
         ));
         if log.lost_frames > 0 || log.damaged_frames > 0 {
             text.push_str(&format!(
-                "  {} frames lost, {} pieces on the line that were no frame; the column lost_frames \
-                 marks where\n",
+                "  {} frames lost, {} damaged; the column lost_frames shows before which rows\n",
                 log.lost_frames, log.damaged_frames
             ));
         }

@@ -346,7 +346,7 @@ fn what_cannot_be_recorded_is_one_message() {
     );
     refused(
         &record(&["--experiment", "free-swing", "--seconds", "-1"]),
-        "its length must be positive",
+        "state a length in s greater than zero",
     );
     let text = fs::read_to_string(folder.path().join("bench.toml")).expect("bench.toml");
     assert_eq!(text, BENCH);

@@ -1,5 +1,5 @@
-//! Which way is positive: sign and axis of every sensor and of the motor from four recordings, and the entries of
-//! bench.toml that contradict them.
+//! Bring-up: sign and axis of every sensor, and sign of the motor, from four recordings; and the entries of bench.toml
+//! that contradict the recordings.
 
 use ::calibrate::{
     Doubt, MotorSigns, Recording, TiltShows, WheelWord, encoder_sign, motor_signs, tilt,
@@ -12,14 +12,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::numbers::significant;
 
-/// Angle in rad from which on a stated and a found axis count as different: 20°. An accelerometer that is not
-/// calibrated points 6° aside, and a sensor that is soldered askew somewhat more.
+/// A stated and a found axis count as different if the angle between them exceeds this, rad: 20°. The reading of an
+/// uncalibrated accelerometer is up to 6° off, that of a sensor that is soldered at an angle somewhat more.
 const APART_RAD: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
-/// Allowed readings of gravity, m/s², as for an emitted controller.
+/// Smallest and largest allowed reading of gravity, m/s², as for an emitted controller.
 const GRAVITY_READS: [f64; 2] = [8.0, 11.5];
 
-/// Ratio from which on two scales belong to different parts or settings.
+/// Two scales whose ratio exceeds this belong to different parts or settings.
 const DIFFER: f64 = 1.2;
 
 /// The result of [`bring_up`]: signs and axes by the recordings of `[bring_up]`.
@@ -30,18 +30,18 @@ pub struct BringUpReport {
     /// Axes as bench.toml names them; null where the recordings do not show them, or they are not along the
     /// body's.
     pub axes: BringUpAxes,
-    /// Rotation from the accelerometer's axes to the body's, row by row, for the key `rotation` if the sensor sits
-    /// askew.
+    /// Rotation from the accelerometer's axes to the body's, row by row. It is the value of the key `rotation` for a
+    /// sensor that is not aligned with the body's axes.
     pub rotation: Option<[[f64; 3]; 3]>,
     /// Angle between the accelerometer's axes and the named ones, rad.
     pub off_axes_rad: Option<f64>,
-    /// From hanging to tilted, rad.
+    /// Angle from hanging to tilted, rad.
     pub tilt_rad: Option<f64>,
     /// Recordings that do not show what they should, and entries of bench.toml that contradict them.
     pub contradictions: Vec<BringUpContradiction>,
 }
 
-/// 1 or −1.
+/// The signs of sensors and motor, each 1 or −1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BringUpSigns {
     /// Sign of the gyroscope's axis along the pivot, when the body turns towards positive α.
@@ -59,19 +59,19 @@ pub struct BringUpSigns {
 /// The body axis that each sensor axis shows.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BringUpAxes {
-    /// Of the accelerometer.
+    /// Axes of the accelerometer.
     pub accelerometer: Option<[String; 3]>,
     /// Axes of the gyroscope. A tilt shows only its pivot axis; the others are those of the accelerometer, or the
     /// stated ones.
     pub gyroscope: Option<[String; 3]>,
 }
 
-/// Something that cannot be so.
+/// A recording that does not show the motion of its key, or an entry of bench.toml that contradicts a recording.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BringUpContradiction {
-    /// The recording that shows it, by its key under `[bring_up]`.
+    /// The recording that shows the contradiction, by its key under `[bring_up]`.
     pub recording: String,
-    /// The key of bench.toml that mends it.
+    /// The key of bench.toml to correct.
     pub key: String,
     /// The value to write there, if it is known.
     pub value: Option<String>,
@@ -129,7 +129,7 @@ fn sign(value: f64) -> i8 {
 }
 
 impl BringUpReport {
-    /// Whether nothing contradicts.
+    /// Whether there is no contradiction.
     pub fn is_sound(&self) -> bool {
         self.contradictions.is_empty()
     }
@@ -155,7 +155,7 @@ impl BringUpReport {
             Doubt::Moved { recording, by_rad } => (
                 recording,
                 format!(
-                    "the body turns by {} in this recording, in which it should be still; check which file is named here",
+                    "the body turns by {} in this recording, in which it should be still; check that the key names the right file",
                     degrees(by_rad)
                 ),
             ),
@@ -192,17 +192,18 @@ impl BringUpReport {
             ),
             Doubt::DutyChanges { recording } => (
                 recording,
-                "the duty changes, although no current should flow in this recording; check which file is named here".to_owned(),
+                "the duty changes, although no current should flow in this recording; check that the key names the right file".to_owned(),
             ),
             Doubt::DutyStill => (
                 "current_step",
-                "the duty does not change, although this recording should contain a step of the current; check which file is named here"
+                "the duty does not change, although this recording should contain a step of the current; check that the key names the right file"
                     .to_owned(),
             ),
             Doubt::Backwards => (
                 "current_step",
-                "the step turns the wheel against the sense of wheel_spun; a positive current drives it \
-                 forward. Either the step was one of a negative current, or the wheel was spun the other way"
+                "the step of the current turns the wheel opposite to wheel_spun, but a positive current must drive \
+                 the wheel forward. Either the current was negative, or the wheel was spun backwards; record the \
+                 wrong one again"
                     .to_owned(),
             ),
         };
@@ -218,7 +219,7 @@ impl BringUpReport {
                 "[hardware.angle] counts_per_turn",
                 Some(significant(-counts_per_turn, 9)),
                 format!(
-                    "the encoder's counts {} while the body turns towards positive α",
+                    "the encoder's counts {} while the body turns towards positive α, against the stated sign",
                     if found < 0.0 { "fall" } else { "rise" }
                 ),
             );
@@ -243,7 +244,8 @@ impl BringUpReport {
                     "[hardware.accelerometer] scale",
                     Some(significant(9.81 / shows.gravity_counts, 5)),
                     format!(
-                        "gravity reads {} m/s2: the scale is of another range, or not in m/s2 per count",
+                        "gravity reads {} m/s2 instead of about 9.8: the scale belongs to another range, or is not in \
+                         m/s2 per count",
                         significant(reads, 3)
                     ),
                 );
@@ -268,8 +270,8 @@ impl BringUpReport {
                 "[hardware.accelerometer] axes",
                 value,
                 format!(
-                    "the accelerometer's axes are {} away from the stated ones: hanging, its reading points \
-                     along the body's -x, and a tilt towards positive α turns it about z",
+                    "the accelerometer's axes are {} away from the stated ones. By the axes' definition, its reading \
+                     points along the body's -x while the body hangs, and a tilt towards positive α is a turn about z",
                     format_args!("{}°", significant(apart(&stated, &found).to_degrees(), 3))
                 ),
             );
@@ -289,10 +291,10 @@ impl BringUpReport {
         if (reference * turned.axis).angle(&up) > APART_RAD {
             let value = self.axes.gyroscope.as_ref().map(listed);
             let sentence = if matrix(gyroscope).is_some() {
-                "the gyroscope's stated axes do not make a tilt towards positive α a turn about the body's z"
+                "by the gyroscope's stated axes, the tilt towards positive α is no turn about the body's z"
             } else {
-                "gyroscope and accelerometer disagree about the pivot axis: on one chip an axis of one of \
-                 them is reversed; on two, state the axes of each"
+                "gyroscope and accelerometer disagree about the pivot axis: if both are on one chip, an axis of \
+                 one of them is reversed; if they are two chips, state the axes of each"
             };
             self.contradiction(
                 "tilted",
@@ -309,8 +311,8 @@ impl BringUpReport {
                     "[hardware.gyroscope] scale",
                     Some(significant(shows.tilt_rad / turned.counts_s, 5)),
                     format!(
-                        "the gyroscope sees {} times the turn that the accelerometer does: its scale is of \
-                         another range, or not in rad/s per count",
+                        "the gyroscope shows {} times the turn that the accelerometer shows: the gyroscope's scale \
+                         belongs to another range, or is not in rad/s per count",
                         significant(ratio, 3)
                     ),
                 );
@@ -342,7 +344,7 @@ impl BringUpReport {
                 &format!("[hardware.wheel_speed] {key}"),
                 Some(significant(-stated, 9)),
                 format!(
-                    "the wheel's word {} while the wheel is spun forward",
+                    "the word of the wheel's sensor {} while the wheel is spun forward, against the stated sign",
                     if found < 0.0 { "falls" } else { "rises" }
                 ),
             );
@@ -356,7 +358,7 @@ impl BringUpReport {
                 "[hardware.drive] amperes_per_count",
                 Some(significant(-stated, 9)),
                 format!(
-                    "a {} duty drives the wheel forward, so it means a positive current; the stated sign says the opposite",
+                    "a {} duty drives the wheel forward and so means a positive current; the stated sign says the opposite",
                     if found < 0.0 { "smaller" } else { "larger" }
                 ),
             );
@@ -415,7 +417,7 @@ fn names(rotation: &Matrix3<f64>) -> [String; 3] {
     })
 }
 
-/// As bench.toml has it.
+/// The axes as a value of bench.toml.
 fn listed(axes: &[String; 3]) -> String {
     format!("[\"{}\"]", axes.join("\", \""))
 }

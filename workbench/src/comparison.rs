@@ -76,7 +76,7 @@ pub struct FailurePlace {
     pub coordinate: Coordinate,
     /// Lower end of the range, in the coordinate's unit.
     pub from: f64,
-    /// Upper end of the range.
+    /// Upper end of the range, in the coordinate's unit.
     pub to: f64,
     /// The stretches of the log's time in which the coordinate lies in the range: first and last instant, s, in rising
     /// order. The JSON does not contain them.
@@ -136,7 +136,7 @@ pub struct ExperimentCurves {
     pub experiment: String,
     /// Time of the samples, s.
     pub time_s: Vec<f64>,
-    /// Whether the sample counts: `false` around a push that nobody recorded.
+    /// Whether the sample is fitted: `false` around an unrecorded push.
     pub counts: Vec<bool>,
     /// The channels.
     pub channels: Vec<ChannelCurves>,
@@ -155,9 +155,9 @@ pub struct ChannelCurves {
     /// NaN (null) where nothing was simulated.
     #[serde(with = "named::gaps")]
     pub simulated: Vec<f64>,
-    /// Standard deviation of the sensor's noise.
+    /// Standard deviation of the sensor's noise, SI unit of the channel.
     pub noise_std: f64,
-    /// Root mean square of measured − simulated.
+    /// Root mean square of measured − simulated, SI unit of the channel.
     #[serde(with = "named::gap")]
     pub rmse: f64,
     /// Fit: 100·(1 − ‖y − ŷ‖/‖y − mean y‖), %.
@@ -175,11 +175,11 @@ pub(crate) struct Compared<'a> {
     pub windows: &'a [Vec<Window>],
     /// For each record and channel: the prediction compared with the measurement.
     pub traces: &'a [Vec<PredictedSeries>],
-    /// For each record: the pushes that nobody recorded.
+    /// The unrecorded pushes of each record.
     pub pushes: &'a [Vec<FoundPush>],
 }
 
-/// The sentences beside the numbers.
+/// The sentences of a report, in addition to its numbers.
 pub(crate) struct Said {
     pub findings: Vec<Finding>,
     pub contradictions: Vec<String>,

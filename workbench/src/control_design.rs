@@ -35,10 +35,10 @@ impl Session {
         self.design_for(wishes.unwrap_or_else(|| self.usual_design()))
     }
 
-    /// As [`Session::design`], with these weights, sample time and current limit.
+    /// Designs the controller for the weights, sample time and current limit in `wishes`.
     ///
     /// # Errors
-    /// As for [`Session::design`].
+    /// [`Error::NoModel`]; a missing parameter; [`Error::Design`] if the weights give no controller.
     pub fn design_for(&self, wishes: DesignSection) -> Result<ControlDesign, Error> {
         let mut file = self.required_model()?.clone().named(self.model_path());
         file.design = Some(wishes);
@@ -63,7 +63,7 @@ impl ControlDesign {
     /// Designs the controller for the `[design]` section of a model.
     ///
     /// # Errors
-    /// As for [`ControlDesign::read`].
+    /// A missing `[design]` or parameter; [`Error::Linearise`]; [`Error::Design`] if the weights give no controller.
     pub fn of(file: ModelFile) -> Result<ControlDesign, Error> {
         let name = name_of(file.path());
         ControlDesign::new(file, name)
@@ -72,14 +72,14 @@ impl ControlDesign {
     /// The design of the same model for other wishes.
     ///
     /// # Errors
-    /// As for [`ControlDesign::read`].
+    /// [`Error::Design`] if the weights give no controller.
     pub fn with_wishes(&self, wishes: DesignSection) -> Result<ControlDesign, Error> {
         let mut file = self.file.clone();
         file.design = Some(wishes);
         ControlDesign::new(file, self.name.clone())
     }
 
-    /// How late the current reaches the motor by the model itself, s.
+    /// The delay of the current by the model's effect `input-delay`, s; 0 without it.
     pub(crate) fn own_delay_s(&self) -> f64 {
         let plant = plant::Plant::new(&self.model, &self.values, plant::Kind::Balance);
         plant.delay_s().unwrap_or(0.0)
@@ -184,8 +184,7 @@ impl ControlDesign {
         )
     }
 
-    /// Sentences about the learned curves and the effects of users: which of them the linear model takes in, and with
-    /// which slope.
+    /// One sentence for each learned curve and each effect of a user: whether the linear model contains its slope.
     pub fn upright_notes(&self) -> Vec<String> {
         let upright = self.file.model_upright();
         let effects = self.model.effects().iter().copied();
@@ -199,9 +198,9 @@ impl ControlDesign {
                     "{name}: left out, because the linear model does not have the wheel's angle"
                 )
             } else if upright.has(effect) && plant::has_seen(effect, PI) {
-                format!("{name}: its slope upright, where the logs have been")
+                format!("{name}: included with its slope upright, where the logs have been")
             } else {
-                format!("{name}: slope zero, because no log shows it upright")
+                format!("{name}: included with slope zero, because no log shows it upright")
             }
         };
         others.map(note).collect()

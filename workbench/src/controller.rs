@@ -40,7 +40,7 @@ pub struct GeneratedController {
     emitted: Files,
 }
 
-/// What a controller is emitted with, apart from its design.
+/// The options of an emitted controller, in addition to its design.
 #[derive(Clone, Debug, Default)]
 pub struct ControllerOptions {
     /// The bench that supplies what the model does not state; without one, this is an error.
@@ -78,7 +78,7 @@ impl ControlDesign {
         })
     }
 
-    /// As [`ControlDesign::generate`], with a name of its own for the crate or a monitor.
+    /// Emits the controller like [`ControlDesign::generate`], with the name, the preset and the monitor of `options`.
     ///
     /// # Errors
     /// As for [`ControlDesign::generate`]; [`Error::Refused`] too if a monitor is wanted and no bound of the model's
@@ -94,7 +94,7 @@ impl ControlDesign {
         )
     }
 
-    /// As [`ControlDesign::generate`], for these sensors and this drive.
+    /// Emits the controller for these sensors and this drive, under the default name and without a monitor.
     pub(crate) fn generate_for(
         &self,
         hardware: BenchHardware,
@@ -134,8 +134,8 @@ impl GeneratedController {
     /// the certificate, which states that the language is C. `prove` reads the Rust version.
     ///
     /// # Errors
-    /// [`Error::Emitted`] if the emitted Rust contains something that the translation does not support, which is a fault
-    /// of this program.
+    /// [`Error::Emitted`] if the emitted Rust contains something that the translation does not support, which is a
+    /// fault of this program.
     pub fn in_c(&self) -> Result<GeneratedController, Error> {
         let emitted = codegen::c99::emit(&self.emitted.0).map_err(|error| Error::Emitted {
             model: PathBuf::from(&self.model),
@@ -192,12 +192,12 @@ impl GeneratedController {
         if certificate.hardware.body_encoder().is_none() {
             return Ok(());
         }
-        // The rate of an encoder is late, and the design does not know it.
+        // The rate of an encoder is half a window late, and the design has ignored this delay.
         let law = EmittedLaw::read(&module).map_err(|error| unphysical(error.to_string()))?;
         match encoder_loop_stable::by_exact_arithmetic(&certificate, &law) {
             ClaimOutcome::Failed(why) => Err(unphysical(format!(
-                "with the rate that the encoder on the pivot shows, half a window late, {why}; an encoder with more \
-                 counts a turn, a shorter sample time or smaller gains (a larger current_weight) make it stable"
+                "the rate of the encoder on the pivot is half a window late, and {why}; use an encoder with more \
+                 counts per turn, a shorter sample time or smaller gains (a larger current_weight)"
             ))),
             _ => Ok(()),
         }
@@ -222,7 +222,7 @@ impl GeneratedController {
         })
     }
 
-    /// P of the set in which no command saturates, if the certificate states one.
+    /// The matrix P of the certificate's ellipsoid xᵀ P x ≤ 1, in which no command saturates, if it has one.
     pub(crate) fn ellipsoid(&self, model: &Path) -> Result<Option<Matrix3<f64>>, Error> {
         Ok(self.certificate(model)?.closed_loop.map(|found| {
             let rows = found.ellipsoid;

@@ -64,7 +64,7 @@ pub struct NewBench {
 /// [`Error::BenchExists`]; a log that cannot be read; a folder that cannot be written to.
 pub fn new_bench(folder: &Path, logs: &[PathBuf]) -> Result<NewBench, Error> {
     let written = folder.join("bench.toml");
-    // Anything with this name is kept, even a link to nothing.
+    // Anything with this name is kept, even a symbolic link whose target does not exist.
     if std::fs::symlink_metadata(&written).is_ok() {
         return Err(Error::BenchExists { file: written });
     }

@@ -38,49 +38,49 @@ pub struct DesignReport {
     pub parameters: Vec<Parameter>,
     /// Time between two commands, s.
     pub sample_time_s: f64,
-    /// Diagonal of Q.
+    /// Diagonal of Q: weights of angle, rate and wheel speed in 1/s per rad², (rad/s)², (rad/s)².
     pub state_weights: [f64; 3],
-    /// R.
+    /// Weight R of the current in 1/s per A².
     pub current_weight: f64,
     /// Largest current in either direction, A.
     pub current_limit_a: f64,
     /// ι, rad/s: Coulomb friction of the pivot enters the linear model as μ/ι; `None` to leave it out.
     pub friction_linearisation_speed_rad_s: Option<f64>,
-    /// State matrix A of the linear model about upright, row by row.
+    /// State matrix A (3×3) of the linear model about upright, row by row, units of row over column per second.
     #[serde(rename = "A")]
     pub a: [[f64; 3]; 3],
-    /// Input matrix B of the linear model.
+    /// Input matrix B (3×1) of the linear model, units of row per A and second.
     #[serde(rename = "B")]
     pub b: [f64; 3],
-    /// State matrix Ad of the zero-order hold.
+    /// State matrix Ad (3×3) of the zero-order hold, row by row.
     #[serde(rename = "Ad")]
     pub ad: [[f64; 3]; 3],
-    /// Input matrix Bd of the zero-order hold.
+    /// Input matrix Bd (3×1) of the zero-order hold, units of row per A.
     #[serde(rename = "Bd")]
     pub bd: [f64; 3],
     /// K in A/rad, A s/rad, A s/rad.
     pub gains: [f64; 3],
     /// Real and imaginary part of the eigenvalues of A, 1/s.
     pub open_loop_poles: Vec<[f64; 2]>,
-    /// Eigenvalues of Ad − Bd K.
+    /// Real and imaginary part of the eigenvalues of Ad − Bd K, dimensionless.
     pub closed_loop_poles: Vec<[f64; 2]>,
-    /// Their continuous equivalents ln(λ)/T, 1/s.
+    /// The continuous equivalents ln(λ)/T of these eigenvalues, 1/s.
     pub closed_loop_poles_per_s: Vec<[f64; 2]>,
     /// The effect of the parameters' errors on the poles; `None` if the model states no errors.
     pub pole_uncertainty: Option<PoleErrors>,
     /// Rank of (B, AB, A²B).
     pub controllability_rank: usize,
-    /// Its condition number; infinite (null) if a state cannot be reached.
+    /// Condition number of the scaled controllability matrix; infinite (null) if a state cannot be reached.
     #[serde(with = "named::unbounded")]
     pub controllability_condition: f64,
-    /// Rank with all sensors.
+    /// Rank of the observability matrix with all sensors.
     pub observability_rank: usize,
-    /// Its condition number; infinite (null) if a state is not observable.
+    /// Condition number of the scaled observability matrix; infinite (null) if a state is not observable.
     #[serde(with = "named::unbounded")]
     pub observability_condition: f64,
-    /// Rank with one sensor alone, by its name.
+    /// Rank of the observability matrix with one sensor alone, by the sensor's name.
     pub observability_rank_of_sensor: Vec<(String, usize)>,
-    /// Its condition number.
+    /// Condition number of the observability matrix with one sensor alone.
     pub observability_condition_of_sensor: Vec<SensorCondition>,
     /// asin(τ u_max/G): the largest angle at which the motor is stronger than gravity.
     pub recovery_angle_rad: f64,
@@ -101,12 +101,12 @@ pub struct DesignReport {
     pub least_pushes: Vec<LeastPush>,
     /// The angles from which three wheels recover, by their top speed.
     pub wheel_sizing: Vec<WheelSize>,
-    /// The same in finer steps, for a figure.
+    /// The angles of [`DesignReport::wheel_sizing`] in finer steps of the top speed, for a figure.
     #[serde(skip)]
     pub wheel_curves: Vec<WheelSize>,
 }
 
-/// How well one sensor alone observes the state.
+/// The conditioning of the observability with one sensor alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensorCondition {
     /// The sensor.
@@ -122,13 +122,13 @@ pub struct PoleErrors {
     /// Whether the model states the correlations of the errors of its parameters; otherwise they are treated as
     /// independent.
     pub correlated: bool,
-    /// Standard deviation of the real part and of the imaginary part, 1/s.
+    /// Standard deviation of the real part and of the imaginary part of each open-loop pole, 1/s.
     pub open_loop_std: Vec<[f64; 2]>,
-    /// The same for the closed loop.
+    /// Standard deviation of the real part and of the imaginary part of each closed-loop pole, 1/s.
     pub closed_loop_std_per_s: Vec<[f64; 2]>,
-    /// The parameter whose error alone moves the pole farthest; empty if none does.
+    /// For each open-loop pole, the parameter whose error alone moves it farthest; empty if none does.
     pub open_loop_moved_most_by: Vec<String>,
-    /// The same for the closed loop.
+    /// For each closed-loop pole, the parameter whose error alone moves it farthest; empty if none does.
     pub closed_loop_moved_most_by: Vec<String>,
     /// Number of parameter sets that were drawn within the errors.
     pub drawn: usize,
@@ -136,12 +136,12 @@ pub struct PoleErrors {
     pub impossible: usize,
     /// Number of those whose loop is unstable.
     pub unstable: usize,
-    /// Largest spectral radius among them.
+    /// Largest spectral radius of the closed loop among the drawn sets.
     pub worst_spectral_radius: f64,
-    /// Poles of some drawn sets, 1/s.
+    /// Open-loop poles of some drawn sets, 1/s.
     #[serde(skip)]
     pub open_loop_cloud: Vec<[f64; 2]>,
-    /// The same for the closed loop.
+    /// Closed-loop poles of some drawn sets, 1/s.
     #[serde(skip)]
     pub closed_loop_cloud: Vec<[f64; 2]>,
 }
@@ -173,7 +173,7 @@ pub struct FrictionExtreme {
     pub closed_loop_poles_per_s: Vec<[f64; 2]>,
     /// Largest |λ| of the sampled loop.
     pub spectral_radius: f64,
-    /// Whether that is below one.
+    /// Whether the spectral radius is below one.
     pub stable: bool,
     /// The margins; `None` if the loop is unstable.
     pub margins: Option<LoopMargins>,

@@ -1,9 +1,9 @@
-//! With which effects of the library an effect is confused, in which experiment, and which other experiment tells
-//! the two apart.
+//! The effects of the library that look alike: the experiment in which two of them are confused, and the experiment
+//! that tells the two apart.
 //!
-//! Nothing here is written by hand but the names in [`EffectInfo::confused_with`](plant::EffectInfo). The effect is
-//! simulated on the bench of the pictures, its rival is fitted to that log, and the diagnosis names the experiment in
-//! which the two fitted models differ most.
+//! Only the names in [`EffectInfo::confused_with`](plant::EffectInfo) are written by hand; all else is computed. The
+//! effect is simulated on the bench of the pictures, its rival is fitted to that log, and the diagnosis names the
+//! experiment in which the two fitted models differ most.
 
 use std::fmt::Write as _;
 
@@ -32,12 +32,13 @@ pub struct EffectConfusion {
     pub with: String,
     /// The experiment in which the two look most alike.
     pub alike_in: String,
-    /// The experiment that tells the two apart, in few words; `None` where none of the usual ones does.
+    /// The experiment that tells the two apart, in few words; `None` if none of the usual experiments does.
     pub told_apart_by: Option<String>,
 }
 
-/// What an effect of the library is confused with. A rival that imitates the effect in none of the pictures'
-/// experiments is left out. Empty for an effect that is confused with none, or has no picture ([`effect_portrait`]).
+/// The effects with which this effect of the library is confused. A rival that imitates the effect in none of the
+/// pictures' experiments is left out. The list is empty for an effect that is confused with none, or that has no
+/// picture ([`effect_portrait`]).
 pub fn effect_confusions(name: &str) -> Vec<EffectConfusion> {
     let Some(effect) = EffectId::from_name(name) else {
         return vec![];
@@ -65,7 +66,7 @@ struct Imitation<'a> {
     problem: FitProblem,
     model: Model,
     values: Vec<f64>,
-    /// χ² of the fit per sample: 1 where it leaves nothing but noise.
+    /// χ² of the fit per sample: 1 if the residuals are noise alone.
     left: f64,
 }
 
@@ -104,7 +105,7 @@ fn confusion(effect: EffectId, rival: EffectId) -> Option<EffectConfusion> {
     })
 }
 
-/// Fits the rival to what the truth shows in a scene.
+/// Fits the rival to the log that the true effect gives in a scene.
 fn imitation<'a>(truth: Explanation, rival: EffectId, scene: &'a Scene) -> Option<Imitation<'a>> {
     let files = log_of(truth, scene);
     let problem = FitProblem::new(&Bench::from_files(&files).ok()?).ok()?;
@@ -132,7 +133,7 @@ fn imitation<'a>(truth: Explanation, rival: EffectId, scene: &'a Scene) -> Optio
     })
 }
 
-/// A bench of one log: what the sensors would show in a scene, with their noise.
+/// The files of a bench with one log: the readings of the sensors in a scene, with their noise.
 fn log_of(truth: Explanation, scene: &Scene) -> FilesInMemory {
     let (kind, columns, channels): (_, _, &[usize]) = match scene.kind {
         Kind::FreeSwing => ("free-swing", "angle_rad,rate_rad_s", &[0, 1]),
@@ -209,8 +210,8 @@ mod tests {
         found.told_apart_by.expect("an experiment")
     }
 
-    /// A wheel that coasts one way shows the same torque by dry friction and by an offset of the current: the other
-    /// way it shows the difference.
+    /// On a wheel that coasts in one direction, dry friction and an offset of the current are the same torque. A run in
+    /// the other direction shows the difference.
     #[test]
     fn dry_friction_of_the_wheel_reverses_with_its_speed() {
         let words = told_apart_by("wheel-coulomb-friction", "current-offset");
@@ -222,7 +223,8 @@ mod tests {
         );
     }
 
-    /// With the body clamped a late current and a late reading of the wheel are one function: the body must be free.
+    /// With the body clamped, a late current and a late reading of the wheel are the same function of time: only a free
+    /// body tells them apart.
     #[test]
     fn a_late_sensor_is_told_from_a_late_motor_by_a_free_body() {
         let words = told_apart_by("motor-lag", "wheel-speed-lag");

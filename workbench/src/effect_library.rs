@@ -35,7 +35,7 @@ pub struct EffectParameter {
     pub name: String,
     /// Its SI unit.
     pub unit: String,
-    /// What it is.
+    /// The meaning of the parameter, in words.
     pub meaning: String,
 }
 

@@ -1,4 +1,4 @@
-//! What an effect looks like: the same experiment with and without it.
+//! The picture of an effect: the same experiment simulated with and without the effect.
 
 use figures::{Line, LineRole, Panel, Quantity, Series};
 use plant::{Current, EffectId, HidingPlace, Hold, Input, Kind, Model, Plant, State};
@@ -23,7 +23,7 @@ const BISECTIONS: usize = 10;
 pub(crate) struct Scene {
     /// The experiment in words.
     pub words: &'static str,
-    /// What is held still.
+    /// The kind of the experiment: what is held still.
     pub kind: Kind,
     angle_rad: f64,
     wheel_speed_rad_s: f64,
@@ -32,7 +32,7 @@ pub(crate) struct Scene {
     duration_s: f64,
 }
 
-/// Ampere of the scenes with current.
+/// Current of the scenes in which the motor is driven, A.
 const CURRENT_A: f64 = 0.5;
 
 /// The experiments in which effects are drawn.
@@ -115,9 +115,9 @@ pub struct EffectPortrait {
     pub parameters: Vec<(String, f64, String)>,
     /// Time of each sample, s.
     pub time_s: Vec<f64>,
-    /// The channel by the base model.
+    /// The channel of the base model at each sample, in `unit`.
     pub without: Vec<f64>,
-    /// The channel with the effect, all other parameters equal.
+    /// The channel with the effect at each sample, in `unit`; all other parameters are equal.
     pub with: Vec<f64>,
 }
 
@@ -167,7 +167,7 @@ pub fn effect_portrait(name: &str) -> Option<EffectPortrait> {
         }) else {
             continue;
         };
-        // The experiment in which the smallest effect is seen shows it best.
+        // The experiment in which the smallest amplitude is visible shows the effect best.
         if best.as_ref().is_some_and(|(least, _)| amplitude >= *least) {
             continue;
         }

@@ -33,7 +33,7 @@ pub enum Error {
         refusals: Vec<Finding>,
     },
     /// A bench cannot be created where one exists.
-    #[error("{}: a bench exists already; it is not changed", file.display())]
+    #[error("{}: a bench exists already and is not changed; choose another folder", file.display())]
     BenchExists {
         /// Its bench.toml.
         file: PathBuf,
@@ -43,7 +43,7 @@ pub enum Error {
     NoFolder {
         /// The folder.
         folder: PathBuf,
-        /// What the system said.
+        /// The system's error message.
         reason: String,
     },
     /// The logs cannot be identified.
@@ -141,7 +141,7 @@ pub enum Error {
     Linearise {
         /// The model's file.
         model: PathBuf,
-        /// Why.
+        /// The reason.
         reason: String,
     },
     /// No controller can be designed for this model with these weights.
@@ -149,7 +149,7 @@ pub enum Error {
     Design {
         /// The model's file.
         model: PathBuf,
-        /// Why.
+        /// The reason.
         source: DesignError,
     },
     /// The sensors or the drive are not stated, or contradict each other.
@@ -157,7 +157,7 @@ pub enum Error {
     Hardware {
         /// The model's file.
         model: PathBuf,
-        /// Why.
+        /// The reason.
         source: HardwareError,
     },
     /// The generator refuses: a claim could not be kept.
@@ -168,7 +168,7 @@ pub enum Error {
         /// The reason, with a remedy.
         source: Box<Refusal>,
     },
-    /// The controller would drive the motor the wrong way, or contradicts physics otherwise.
+    /// The controller would drive the motor the wrong way, or contradicts physics in another way.
     #[error("{}: {reason}; see [hardware], [calibration] and [parameters]", model.display())]
     Unphysical {
         /// The model's file.
@@ -181,7 +181,7 @@ pub enum Error {
     Emitted {
         /// The model's file.
         model: PathBuf,
-        /// Why.
+        /// The reason.
         reason: String,
     },
     /// A simulation gave no result.
@@ -189,7 +189,7 @@ pub enum Error {
     Simulate {
         /// The model's file.
         model: PathBuf,
-        /// Why.
+        /// The reason.
         source: SimulateError,
     },
     /// An emitted crate cannot be written or read.
@@ -211,7 +211,7 @@ pub enum Error {
     Calibrate {
         /// The recording.
         recording: PathBuf,
-        /// Why.
+        /// The reason.
         source: CalibrationError,
     },
     /// A figure cannot be drawn.
@@ -222,7 +222,7 @@ pub enum Error {
     Table {
         /// The table.
         name: String,
-        /// Why.
+        /// The reason.
         source: csv::Error,
     },
     /// Nothing can be recorded from this line.
@@ -230,7 +230,7 @@ pub enum Error {
     Record {
         /// The serial device.
         port: PathBuf,
-        /// Why.
+        /// The reason.
         reason: String,
     },
     /// The session is in memory, and has no file for its model.

@@ -1,4 +1,4 @@
-//! What an effect looks like on a bench: the model without it and with it, each fitted to all experiments.
+//! The appearance of an effect on a bench: the model without it and with it, each fitted to all experiments.
 
 use identify::{BreakdownBin, Coordinate, Progress, ResidualBreakdown, ResidualKind};
 
@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::session::Session;
 use crate::swing_decay::SwingDecay;
 
-/// Standard errors by which two curves differ, at some place, where a person tells them apart.
+/// A person can tell two curves apart if they differ, at some place, by more than this many standard errors.
 const APART: f64 = 3.0;
 
 /// The coordinates over which the missing torque of a fingerprint is drawn.
@@ -28,9 +28,9 @@ pub struct EffectFingerprint {
     pub without: ComparisonReport,
     /// The model with it.
     pub with: ComparisonReport,
-    /// How the free swings die out, measured and by the model without the effect.
+    /// The decay of the free swings, measured and by the model without the effect.
     pub decay_without: Vec<SwingDecay>,
-    /// The same with it.
+    /// The decay of the free swings, measured and by the model with the effect.
     pub decay_with: Vec<SwingDecay>,
 }
 
@@ -39,12 +39,12 @@ pub struct EffectFingerprint {
 pub enum TorquePart {
     /// The mean over both directions of the motion: springs, magnets.
     Mean,
-    /// What changes its sign with the speed, positive along the motion: frictions.
+    /// The part that changes its sign with the speed, positive along the motion: frictions.
     AlongMotion,
 }
 
 impl TorquePart {
-    /// Value and standard error of this part in a bin; `None` where the log has not been.
+    /// Value and standard error of this part in a bin; `None` for a bin without samples.
     pub fn of(self, bin: &BreakdownBin) -> Option<(f64, f64)> {
         let (value, std) = match self {
             TorquePart::Mean => (bin.mean, bin.mean_std),
@@ -66,7 +66,7 @@ impl TorquePart {
         }
     }
 
-    /// A point for every bin where the log has been: middle of the bin, value, standard error.
+    /// A point for every bin with samples: middle of the bin, value, standard error.
     pub fn points(self, breakdown: &ResidualBreakdown) -> Vec<[f64; 3]> {
         let bins = breakdown.bins.iter();
         bins.filter_map(|bin| {
@@ -91,16 +91,16 @@ pub struct TorqueFingerprint {
     /// Without the effect: coordinate, torque (N m, or per kg m²: [`ComparisonReport::per_unit_of_inertia`]), and its
     /// standard error.
     pub without: Vec<[f64; 3]>,
-    /// The same with it.
+    /// With the effect: coordinate, torque and its standard error, as in `without`.
     pub with: Vec<[f64; 3]>,
-    /// How far the two are apart: the sum, over all places, of the squares of their distances in standard errors.
+    /// The distance of the two curves: the sum over all places of (difference / standard error)².
     pub apart: f64,
 }
 
 impl EffectFingerprint {
-    /// The missing torque over every coordinate over which a person can see the effect, the plainest first: in an
-    /// experiment in which the model without it lacks a torque, the models without and with it are apart, at some place,
-    /// by more than the torque there is uncertain.
+    /// The missing torque over every coordinate that shows the effect, the clearest first. A coordinate shows the
+    /// effect if two conditions hold in an experiment: the model without the effect significantly lacks a torque, and
+    /// at some place the torques that the two models lack differ by more than three standard errors.
     pub fn torques(&self) -> Vec<TorqueFingerprint> {
         let mut found: Vec<TorqueFingerprint> = COORDINATES
             .into_iter()
@@ -114,7 +114,7 @@ impl EffectFingerprint {
         let torques = |of: &ResidualBreakdown| {
             of.quantity == ResidualKind::ResidualTorque && of.coordinate == coordinate
         };
-        // Elsewhere the effect is not needed, and what differs there is noise.
+        // In other experiments the effect is not needed, and differences are noise.
         let fails = |of: &ResidualBreakdown| {
             self.without.places.iter().any(|place| {
                 place.significant
@@ -173,10 +173,11 @@ fn between(
 }
 
 impl Session {
-    /// What the effect of this name looks like: the session's model without and with it. The session stays as it is.
+    /// The session's model without and with the effect of this name. The session's model is not changed.
     ///
     /// # Errors
-    /// As for [`Session::add_effect`].
+    /// [`Error::UnknownEffect`]; [`Error::EffectPresent`] if the model has an effect that contains it;
+    /// [`Error::Identify`] if no start gives a finite simulation; [`Error::Cancelled`].
     pub fn fingerprint(
         &self,
         effect: &str,

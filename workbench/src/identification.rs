@@ -31,7 +31,7 @@ impl Session {
     /// contradictions need a fit of the model (of the base model if there is none yet).
     ///
     /// # Errors
-    /// As for [`Session::identify`].
+    /// [`Error::Identify`] if no start gives a finite simulation; [`Error::Cancelled`].
     pub fn check(&self, progress: &Progress) -> Result<BenchCheck, Error> {
         let found = self.fit(&self.structure(), progress)?;
         (progress.say)("looking for contradictions");
@@ -60,16 +60,16 @@ impl Session {
         self.identify_as(&self.structure(), progress)
     }
 
-    /// As [`Session::identify`], with the base model alone: viscous friction and no other effect.
+    /// Fits the base model alone, with viscous friction and no other effect, to all experiments.
     ///
     /// # Errors
-    /// As for [`Session::identify`].
+    /// [`Error::Identify`] if no start gives a finite simulation; [`Error::Cancelled`].
     pub fn identify_base(&mut self, progress: &Progress) -> Result<ComparisonReport, Error> {
         self.identify_as(&Model::base(), progress)
     }
 
-    /// As [`Session::identify`], started from these values of the model's parameters, and from the model's values for
-    /// the others. It is for users who have moved parameters by hand to the neighbourhood of the minimum.
+    /// Fits the session's model to all experiments, started from these values of its parameters and from the model's
+    /// values of the others. It is for users who have moved parameters by hand to the neighbourhood of the minimum.
     ///
     /// # Errors
     /// Those of [`Session::predictor`] and of [`Session::identify`].

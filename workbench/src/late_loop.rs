@@ -1,5 +1,5 @@
-//! The loop with everything that makes the bench late: the age of the sensors' readings, their filters and delays, and
-//! one sample of computation; and what each sample time costs.
+//! The loop with all delays and filters of the bench: the age of the sensors' readings, their filters and delays, and
+//! one sample of computation; and the same loop designed at other sample times.
 
 use bench_files::{AngleSensor, WheelSpeedSensor};
 use design::{
@@ -14,45 +14,46 @@ use crate::design_report::LoopMargins;
 use crate::error::Error;
 use crate::loop_expectations::ExpectationSettings;
 
-/// Sample times that are looked at, in s: as they are typed, about five in a factor of two and a half.
+/// Sample times that are tried, in s: round numbers.
 const SAMPLE_TIMES_S: [f64; 19] = [
     0.25e-3, 0.5e-3, 0.8e-3, 1e-3, 1.25e-3, 2e-3, 2.5e-3, 4e-3, 5e-3, 6e-3, 8e-3, 10e-3, 12e-3,
     16e-3, 20e-3, 25e-3, 32e-3, 40e-3, 50e-3,
 ];
 
-/// Where the rate of the sensors is not known, the shortest sample time that is looked at, as a share of the design's.
+/// The shortest sample time that is tried if the sensors' rate is not known, as a share of the design's sample time.
 const SHORTEST_SHARE: f64 = 0.25;
 
-/// Least distance of the open loop from −1 of a sample time that makes sense: disturbances are then amplified at most
-/// twofold (Åström and Hägglund, "PID Controllers", 2nd ed. 1995, section 4.5: 1.3 to 2 is usual).
+/// Smallest modulus margin, the distance of the open loop from −1, with which a sample time is sensible. Disturbances
+/// are then amplified at most twofold (Åström and Hägglund, "PID Controllers", 2nd ed. 1995, section 4.5: 1.3 to 2 is
+/// usual).
 const LEAST_MODULUS: f64 = 0.5;
 
-/// A pole that has decayed to less than this within a sample is one of the delay's own; it is not told.
+/// A pole with a smaller modulus comes from the delay alone and is not reported.
 const LEAST_POLE: f64 = 1e-3;
 
 /// The loop as the bench's hardware makes it: the result of [`ControlDesign::late_loop`].
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LateLoop {
-    /// What is late, and by how much.
+    /// The delays and lags of the bench, one by one.
     pub parts: Vec<LatePart>,
-    /// The loop at the design's own sample time; `None` where it is unstable.
+    /// The loop at the design's own sample time; `None` if it is unstable.
     pub law: Option<LatePoint>,
-    /// The same with a law that leads the measured state on by the model.
+    /// The loop with a law that predicts the state by the model; `None` if it is unstable.
     pub predicting: Option<LatePoint>,
-    /// Time by which that law leads the state on, s.
+    /// Time over which that law predicts the state, s.
     pub ahead_s: f64,
     /// The design at other sample times, from short to long.
     pub sample_times: Vec<SampleTimeRow>,
 }
 
-/// Something that is late.
+/// One delay or lag of the bench.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LatePart {
     /// "the current", "the angle", "the rate" or "the wheel speed".
     pub what: String,
-    /// By how much, s; of a filter its time constant.
+    /// The delay, or the time constant of a filter, s.
     pub late_s: f64,
-    /// Why, a sentence.
+    /// The cause, in words.
     pub why: String,
 }
 
@@ -65,7 +66,7 @@ pub struct LatePoint {
     pub margins: LoopMargins,
     /// Standard deviation of the true angle by the sensors' noise.
     pub noise_angle_rad: f64,
-    /// The same of the current.
+    /// Standard deviation of the current by the sensors' noise.
     pub noise_current_a: f64,
 }
 
@@ -74,26 +75,26 @@ pub struct LatePoint {
 pub struct SampleTimeRow {
     /// The sample time.
     pub sample_time_s: f64,
-    /// The loop of u = −K x, designed at that sample time; `None` where there is none.
+    /// The loop of u = −K x, designed at that sample time; `None` if there is no design, or if the loop is unstable.
     pub law: Option<LatePoint>,
-    /// The same with prediction.
+    /// The loop with prediction, designed at that sample time; `None` as for `law`.
     pub predicting: Option<LatePoint>,
-    /// Whether the sample time makes sense.
+    /// Whether the sample time is sensible.
     pub sensible: bool,
-    /// Why it does not, a sentence; empty where it does.
+    /// The reason why the sample time is not sensible; empty if it is.
     pub why: String,
 }
 
 impl ControlDesign {
-    /// The loop with the lateness of the bench's hardware, and the same at other sample times.
+    /// The loop with the delays and filters of the bench's hardware, at the design's sample time and at others.
     ///
     /// # Errors
-    /// [`Error::Design`] where a number is none.
+    /// [`Error::Design`] if a number is not finite.
     pub fn late_loop(&self, settings: &ExpectationSettings) -> Result<LateLoop, Error> {
         let (parts, lateness) = self.lateness(settings.delay_s);
         let own_s = self.wishes().sample_time_s;
         let (law, predicting) = self.late_points(&lateness, settings)?;
-        // Shorter ones show no fresh readings, or are far from what was asked for.
+        // At shorter sample times the sensors give no fresh readings, or the times are far from the wished one.
         let shortest_s = self
             .freshest_s()
             .unwrap_or(SHORTEST_SHARE * own_s)
@@ -169,7 +170,7 @@ impl ControlDesign {
         Some(1.0 / rate_hz)
     }
 
-    /// What is late, as sentences and as numbers; `delay_s` comes on top for the current.
+    /// The delays and lags of the bench, for the report and as numbers; `delay_s` is a further delay of the current.
     fn lateness(&self, delay_s: f64) -> (Vec<LatePart>, Lateness) {
         let sample_time_s = self.wishes().sample_time_s;
         let plant = Plant::new(self.model(), self.values(), Kind::Balance);
@@ -187,12 +188,16 @@ impl ControlDesign {
         let current_s = part(
             "the current",
             sample_time_s,
-            "one sample of computation, at most",
+            "the computation, which takes at most one sample",
         ) + part(
             "the current",
             self.own_delay_s(),
             "the model's effect input-delay",
-        ) + part("the current", delay_s, "asked for");
+        ) + part(
+            "the current",
+            delay_s,
+            "the additional delay that was asked for",
+        );
 
         let hardware = self.file().hardware.as_ref();
         let gyroscope = hardware.and_then(|hardware| hardware.gyroscope.as_ref());
@@ -239,7 +244,7 @@ impl ControlDesign {
         (parts, Lateness { current_s, sensors })
     }
 
-    /// The law u = −K x and the one that predicts, each `None` where it is unstable.
+    /// The loops of the law u = −K x and of the law that predicts, each `None` if it is unstable.
     fn late_points(
         &self,
         lateness: &Lateness,
@@ -306,8 +311,8 @@ impl ControlDesign {
     }
 }
 
-/// How far a law must look ahead: the delay of the current and that of the rate, which matters most; a filter's lag
-/// counts as a delay.
+/// The time in s over which the law must predict: the delay of the current plus that of the rate, the sensor that
+/// matters most. A filter's time constant counts as a delay.
 fn ahead_s(lateness: &Lateness) -> f64 {
     let rate = lateness.sensors[1];
     lateness.current_s + rate.lag_s + rate.delay_s

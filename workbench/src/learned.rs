@@ -1,4 +1,4 @@
-//! Torques that were learned as curves: into the model, out of it, and beside a diagnosis.
+//! Torques that are learned as curves: adding them to a model, removing them, and their place in a diagnosis.
 
 use diagnose::Verdict;
 use identify::{Identification, Progress};
@@ -14,10 +14,10 @@ use crate::session::Session;
 
 impl Session {
     /// Learns the torque that the model lacks over a coordinate (angle, rate, wheel_speed or wheel_angle) as a
-    /// smooth curve, fitted together with everything else. One that the model has already is learned anew.
+    /// smooth curve, fitted together with all other parameters. A curve that the model already has is learned anew.
     ///
     /// # Errors
-    /// [`Error::UnknownCoordinate`]; [`Error::Identify`] where no log moves over the coordinate; those of
+    /// [`Error::UnknownCoordinate`]; [`Error::Identify`] if the coordinate changes in no log; those of
     /// [`Session::identify`].
     pub fn add_learned(
         &mut self,
@@ -34,7 +34,7 @@ impl Session {
         self.change(&before, &after, progress)
     }
 
-    /// Takes a learned curve out of the model and fits it anew.
+    /// Removes a learned curve from the model and fits the model anew.
     ///
     /// # Errors
     /// [`Error::UnknownCoordinate`]; those of [`Session::remove_effect`].
@@ -46,7 +46,7 @@ impl Session {
         self.remove_effect(named(coordinate)?.effect_name(), progress)
     }
 
-    /// The torque that the model of a fit lacks, where a curve over a coordinate predicts something of it.
+    /// The torque that the model of a fit lacks; `None` if no curve over a coordinate predicts a part of it.
     pub(crate) fn missing_torque(&self, found: &Identification) -> Option<MissingTorque> {
         let fit = &found.fit;
         let problem = self.problem().suited_to(&fit.model);
@@ -60,7 +60,7 @@ impl Session {
         Some(MissingTorque::new(self, &curve))
     }
 
-    /// Puts the learned curves that the model has into the last step of a diagnosis, where they are still needed.
+    /// Adds the learned curves of the session's model to the last step of a diagnosis, if they are still needed.
     pub(crate) fn with_learned(
         &self,
         report: &mut DiagnosisReport,
@@ -126,7 +126,7 @@ fn named(coordinate: &str) -> Result<LearnedCoordinate, Error> {
         })
 }
 
-/// Stands for a curve over the coordinate whose knots the fit finds.
+/// A placeholder for a curve over the coordinate; the fit replaces its knots.
 pub(crate) fn placeholder(coordinate: LearnedCoordinate) -> EffectId {
     LearnedCurve::effect(coordinate, &[0.0, 1.0, 2.0, 3.0], None)
         .expect("four increasing knots within a turn")

@@ -32,15 +32,15 @@ const FREQUENCIES: usize = 400;
 const STEP_SHARE: f64 = 0.1;
 /// A response is shown over this many time constants of the loop's slowest motion: e⁻⁶ is a quarter of a per cent.
 const TIME_CONSTANTS: f64 = 6.0;
-/// But for no less, and no longer, s.
+/// Shortest and longest duration of a response, s.
 const DURATION_S: (f64, f64) = (0.5, 20.0);
 /// Resolution of the largest recoverable angle, rad: a fiftieth of a degree.
 const ANGLE_RESOLUTION_RAD: f64 = 3.5e-4;
 
-/// Settings of the expectations, beside the model.
+/// Settings of the expectations, in addition to the model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ExpectationSettings {
-    /// How late the current reaches the motor, s, on top of the model's own delay.
+    /// Delay of the current in s, in addition to the delay of the model.
     pub delay_s: f64,
     /// The noise of the bench's sensors. For a sensor without a known noise, that of the thesis bench is used.
     pub noise: BenchNoise,
@@ -56,15 +56,15 @@ pub struct LoopExpectations {
     pub delay_s: f64,
     /// Whether the loop is stable with that delay. If it is not, all fields below are `None`.
     pub stable: bool,
-    /// Margins of the loop with that delay; the delay margin comes on top of the delay.
+    /// Margins of the loop with that delay; the delay margin is a further delay.
     pub margins: Option<LoopMargins>,
     /// The frequency in rad/s at which the open loop has the magnitude 1, with the smallest phase margin.
     pub crossover_rad_s: Option<f64>,
     /// Largest angle at rest from which the nonlinear bench comes up under this law, with that delay and no noise.
     pub recoverable_angle_rad: Option<f64>,
-    /// The answer to a torque that stays.
+    /// The response to a constant torque that begins at time zero.
     pub step: Option<TorqueAnswer>,
-    /// The answer to a push.
+    /// The response to a push.
     pub push: Option<TorqueAnswer>,
     /// The effect of the sensors' noise.
     pub noise: Option<NoiseExpectation>,
@@ -90,13 +90,13 @@ pub struct AllowedExcursions {
     pub current_a: f64,
 }
 
-/// The linear loop's answer to a torque on the body.
+/// The linear loop's response to a torque on the body.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct TorqueAnswer {
     /// Size of the torque in N m; for a push, its impulse in N m s. Both are per kg m² on a bench whose torques are
     /// known only per unit of inertia.
     pub size: f64,
-    /// Its unit.
+    /// Unit of `size`.
     pub unit: String,
     /// Largest angle.
     pub largest_angle_rad: f64,
@@ -105,7 +105,7 @@ pub struct TorqueAnswer {
     pub largest_angle_band_rad: Option<[f64; 2]>,
     /// Largest wheel speed.
     pub largest_wheel_speed_rad_s: f64,
-    /// Largest current; no limit acts.
+    /// Largest current of the loop without a current limit.
     pub largest_current_a: f64,
     /// The curves.
     #[serde(skip)]
@@ -117,13 +117,13 @@ pub struct TorqueAnswer {
 pub struct NoiseExpectation {
     /// Standard deviations of the sensors' noise in a sample: rad, rad/s, rad/s.
     pub sensors: [f64; 3],
-    /// Where each comes from.
+    /// The source of each of these numbers: an experiment, or the assumption.
     pub sources: [String; 3],
     /// Standard deviation of the true angle.
     pub angle_rad: f64,
-    /// Of the wheel speed.
+    /// Standard deviation of the wheel speed.
     pub wheel_speed_rad_s: f64,
-    /// Of the commanded current.
+    /// Standard deviation of the commanded current.
     pub current_a: f64,
 }
 
@@ -131,7 +131,7 @@ impl ControlDesign {
     /// The properties of the loop. Takes a few hundredths of a second.
     ///
     /// # Errors
-    /// [`Error::Design`] where a number is none; [`Error::Simulate`].
+    /// [`Error::Design`] if a number is not finite; [`Error::Simulate`].
     pub fn expectations(&self, settings: &ExpectationSettings) -> Result<LoopExpectations, Error> {
         let (a, b) = self.matrices();
         let (gains, sample_time_s) = (self.design().gains, self.wishes().sample_time_s);
@@ -203,7 +203,7 @@ impl ControlDesign {
             .map_err(failed)
     }
 
-    /// The answers to a step and to a push, with bands where the model states errors.
+    /// The responses to a step and to a push, with bands if the model states errors of its parameters.
     fn torque_answers(&self, delay_s: f64) -> Result<(TorqueAnswer, TorqueAnswer), Error> {
         let in_design = |source| self.design_error(source);
         let nominal = UncertainLoop {
@@ -270,7 +270,7 @@ impl ControlDesign {
         torque_inputs(self.model(), values)[0]
     }
 
-    /// How long the loop takes to come to rest.
+    /// The duration of a response in s: [`TIME_CONSTANTS`] of the slowest motion, within [`DURATION_S`].
     pub(crate) fn response_duration_s(&self) -> f64 {
         let poles = self.design().closed_loop_poles_per_s();
         let slowest = poles
@@ -309,7 +309,7 @@ impl ControlDesign {
         })
     }
 
-    /// The loop's answer to the step of [`LoopExpectations::step`] without bands, for a sweep: largest angle in rad.
+    /// Largest angle in rad of the loop's response to the step of [`LoopExpectations::step`], for a sweep.
     pub(crate) fn largest_angle_of_step_rad(&self, delay_s: f64) -> Result<f64, Error> {
         let torque = STEP_SHARE * self.values()[TORQUE_CONSTANT] * self.wishes().current_limit_a;
         let plant = UncertainLoop {

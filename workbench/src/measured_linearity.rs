@@ -31,7 +31,7 @@ pub struct MeasuredSwings {
     pub measured_amplitudes_rad: Option<[f64; 2]>,
     /// Range of amplitudes in which the measured period equals that of the linear model.
     pub period_good_between_rad: Option<[f64; 2]>,
-    /// The next larger measured amplitude, at which it no longer does.
+    /// The next larger measured amplitude, at which the period differs from that of the linear model.
     pub period_off_from_rad: Option<f64>,
 }
 
@@ -44,7 +44,7 @@ pub struct SwingLinearity {
     pub amplitude_rad: f64,
     /// RMS of measurement − nonlinear model over the first periods, relative to the amplitude.
     pub nonlinear_error: f64,
-    /// The same for the linear model.
+    /// RMS of measurement − linear model over the first periods, relative to the amplitude.
     pub linear_error: f64,
     /// The curves.
     #[serde(skip)]
@@ -60,7 +60,7 @@ pub struct SpinUpLinearity {
     pub largest_wheel_speed_rad_s: f64,
     /// RMS of measurement − nonlinear model, relative to the largest speed.
     pub nonlinear_error: f64,
-    /// The same for the linear model.
+    /// RMS of measurement − linear model, relative to the largest speed.
     pub linear_error: f64,
     /// The curves.
     #[serde(skip)]

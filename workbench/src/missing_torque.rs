@@ -13,18 +13,18 @@ pub struct MissingTorque {
     pub coordinate: String,
     /// SI unit of the coordinate.
     pub unit: String,
-    /// "body" or "wheel": on which it acts.
+    /// The body on which the torque acts: "body" or "wheel".
     pub acts_on: String,
     /// SI unit of the torque; "N m per kg m2" where the scale of the torques is not known.
     pub torque_unit: String,
     /// The experiments that show it.
     pub experiments: Vec<String>,
-    /// Share of the missing torque beyond the noise that the curve predicts in experiments that it was not made
-    /// from, 0 to 1.
+    /// Share of the missing torque, beyond the noise, that the curve predicts in experiments from which it was not
+    /// learned, 0 to 1.
     pub share: f64,
     /// The curve, by increasing coordinate.
     pub points: Vec<TorquePoint>,
-    /// The command that puts it into the model.
+    /// The command that adds the curve to the model.
     pub command: String,
 }
 
@@ -33,9 +33,9 @@ pub struct MissingTorque {
 pub struct TorquePoint {
     /// The coordinate, SI.
     pub at: f64,
-    /// The torque as it acts, positive towards positive angles.
+    /// The torque in [`MissingTorque::torque_unit`], positive towards positive angles.
     pub torque: f64,
-    /// Its standard error.
+    /// Standard error of the torque, in the same unit.
     pub std: f64,
 }
 
@@ -68,7 +68,7 @@ impl MissingTorque {
         }
     }
 
-    /// The coordinate that describes the missing torque best, and what adding the curve does, in two sentences.
+    /// Two sentences: the coordinate that describes the missing torque best, and the effect of adding the curve.
     pub fn sentence(&self) -> String {
         let coordinate = LearnedCoordinate::from_name(&self.coordinate);
         let words = coordinate.map_or("the coordinate", LearnedCoordinate::words);

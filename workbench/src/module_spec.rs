@@ -45,8 +45,8 @@ impl ControlDesign {
         }
     }
 
-    /// As [`ControlDesign::hardware`]; the bench of the thesis replaces hardware that is not stated, or that
-    /// cannot be emitted.
+    /// The sensors and the drive for a simulation. The bench of the thesis replaces hardware that is not stated, or
+    /// that cannot be emitted.
     pub(crate) fn hardware_for_simulation(&self) -> Result<BenchHardware, Error> {
         let preset = Some(Preset::ThesisBench);
         match self.hardware(preset) {

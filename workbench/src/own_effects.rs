@@ -7,10 +7,10 @@ use bench_files::OwnEffect;
 use crate::error::Error;
 use crate::session::Session;
 
-/// What is wrong with the text of an effect.
+/// A mistake in the text of an effect.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OwnEffectError {
-    /// What, in words.
+    /// The mistake, in words.
     pub message: String,
     /// Line, counted from 1.
     pub line: Option<usize>,
@@ -18,11 +18,10 @@ pub struct OwnEffectError {
     pub position: Option<usize>,
 }
 
-/// Whether a text could stand in `effects/NAME.toml` of a bench, read as the file is. Returns the names of the
-/// effect's parameters.
+/// Checks a text as the content of `effects/NAME.toml` of a bench, and returns the names of the effect's parameters.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The first mistake in the text.
 pub fn check_own_effect(name: &str, text: &str) -> Result<Vec<String>, OwnEffectError> {
     let path = Path::new("effects").join(format!("{name}.toml"));
     OwnEffect::check(text, name, &path).map_err(|error| OwnEffectError {
@@ -33,10 +32,10 @@ pub fn check_own_effect(name: &str, text: &str) -> Result<Vec<String>, OwnEffect
 }
 
 impl Session {
-    /// Reads the effects in the bench's folder anew: one was written, or changed.
+    /// Reads the effects in the bench's folder again, after a file was added or changed.
     ///
     /// # Errors
-    /// What is wrong with one of them.
+    /// The first mistake in one of the files.
     pub fn reread_own_effects(&mut self) -> Result<(), Error> {
         let found = OwnEffect::of_folder(&self.bench().folder)?;
         self.set_own_effects(found);

@@ -14,7 +14,7 @@ impl Session {
     /// [`Predictor::curves`] then simulates the experiments with other parameter values.
     ///
     /// # Errors
-    /// As for [`Session::compare`].
+    /// [`Error::NoModel`]; a parameter that is missing or has another unit; [`Error::Cancelled`].
     pub fn predictor(&self, progress: &Progress) -> Result<Predictor, Error> {
         self.started(progress).map(Predictor)
     }
@@ -79,14 +79,14 @@ impl Predictor {
             .collect()
     }
 
-    /// How the free swings die out, measured and by the model.
+    /// The decay of the free swings, measured and according to the model.
     pub fn decays(&self) -> Vec<SwingDecay> {
         let traces = self.0.traces(&self.0.minimum.values);
         swing_decays(&self.0.problem.records, &traces)
     }
 
-    /// Simulates every experiment from its start, with these parameters changed. With none it gives
-    /// the curves of [`Session::compare`].
+    /// Simulates every experiment from its start, with these parameters changed. Without changes, the curves are those
+    /// of [`Session::compare`].
     ///
     /// # Errors
     /// [`Error::UnknownParameter`].
@@ -100,8 +100,8 @@ impl Predictor {
             .collect())
     }
 
-    /// As [`Predictor::curves`], for the experiment at this place in the list alone; `None` if there is no such
-    /// experiment. This is fast enough for a curve that follows the hand on a slider.
+    /// Simulates the experiment at this place in the list, with these parameters changed; `None` if there is no such
+    /// experiment. This is fast enough for a curve that follows a slider.
     ///
     /// # Errors
     /// [`Error::UnknownParameter`].

@@ -100,7 +100,7 @@ fn generated_again(folder: &Path, model: &Path) -> Result<ClaimResult, Error> {
 }
 
 impl GeneratedController {
-    /// As [`prove`], for a controller that has not been written. Kani, which needs a folder, is not
+    /// Decides every claim about a controller that has not been written, like [`prove`]. Kani needs a folder and is not
     /// run.
     ///
     /// # Errors
@@ -109,7 +109,8 @@ impl GeneratedController {
         self.prove_telling(settings, progress, &|_| ())
     }
 
-    /// As [`GeneratedController::prove`]; `tell` is told every row as soon as it is settled.
+    /// Decides every claim like [`GeneratedController::prove`], and calls `tell` with each row as soon as it is
+    /// decided.
     ///
     /// # Errors
     /// As for [`prove`].
@@ -141,7 +142,7 @@ impl GeneratedController {
             harness_cargo: Some(text("verify/Cargo.toml")).filter(|text| !text.is_empty()),
             strays: Vec::new(),
         };
-        // Kani needs minutes, and runs on what was written.
+        // Kani needs minutes, and files on the disk.
         let settings = &ProofSettings {
             kani: false,
             ..*settings
@@ -181,7 +182,7 @@ impl Proof {
 pub struct MutationReport {
     /// The emitted crate; it is not changed.
     pub folder: PathBuf,
-    /// How many mutants were detected, and by which engine.
+    /// The numbers of mutants that were detected, by engine.
     pub summary: Summary,
     /// The verdict on each mutant.
     pub verdicts: Vec<MutantVerdict>,
@@ -190,8 +191,8 @@ pub struct MutationReport {
 /// Number of mutants between two checks for cancellation.
 const MUTANTS_AT_A_TIME: usize = 64;
 
-/// Damages an emitted crate in every small way, or in at most `most` ways per file, and reports which
-/// engine of the proof detects the damage.
+/// Makes every mutant of an emitted crate, each with one small damage (at most `most` per file if it is given), and
+/// reports which engine of the proof detects each.
 ///
 /// # Errors
 /// [`Error::Prove`] if the folder does not contain an emitted crate; [`Error::FailsUndamaged`];

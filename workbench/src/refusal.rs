@@ -1,4 +1,4 @@
-//! The message of data that are refused.
+//! The message for data that are refused.
 
 use std::path::Path;
 

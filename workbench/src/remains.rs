@@ -16,8 +16,8 @@ pub struct RemainsReport {
     pub over_noise: f64,
     /// The same remainder relative to the standard deviation of the measured series.
     pub over_signal: f64,
-    /// As a torque: root mean square in the experiment where it is largest, N m. `None` if the logs show no
-    /// torque, or not its scale.
+    /// Root mean square of the missing torque in the experiment where it is largest, N m. `None` if the logs show no
+    /// torque, or do not determine its scale.
     #[serde(rename = "torque_Nm")]
     pub torque_nm: Option<f64>,
     /// The body on which the torque acts: `body` or `wheel`.
@@ -32,15 +32,16 @@ pub struct RemainsReport {
 /// most sensitive. It is an upper bound for every other torque of that size.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClosedLoopDeviation {
-    /// Of the angle, rad.
+    /// Deviation of the angle, rad.
     pub angle_rad: f64,
-    /// Of the current, A.
+    /// Deviation of the current, A.
     #[serde(rename = "current_A")]
     pub current_a: f64,
 }
 
 impl RemainsReport {
-    /// `found` in the loop of `design`, on the bench of `problem`.
+    /// The report on the residual `found`, with its effect in the loop of `design`; `problem` says whether the logs
+    /// determine the scale of torques.
     pub(crate) fn new(
         found: &diagnose::Remains,
         problem: &FitProblem,

@@ -10,11 +10,11 @@ use crate::session::Session;
 /// `None` if no log of the bench has the sensor.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BenchNoise {
-    /// Of the angle.
+    /// Noise of the angle, rad.
     pub angle: Option<(f64, String)>,
-    /// Of the rate.
+    /// Noise of the rate, rad/s.
     pub rate: Option<(f64, String)>,
-    /// Of the wheel speed.
+    /// Noise of the wheel speed, rad/s.
     pub wheel_speed: Option<(f64, String)>,
 }
 
@@ -48,8 +48,8 @@ fn noise_of(records: &[Record], output: Output) -> Option<(f64, String)> {
 }
 
 impl BenchNoise {
-    /// Every sensor with its source. Where the noise is unknown, that of the thesis bench is used, and the source says
-    /// so.
+    /// The noise of every sensor (rad, rad/s, rad/s) and its source. Unknown noise is replaced by that of the thesis
+    /// bench, and the source says so.
     pub(crate) fn or_assumed(&self) -> ([f64; 3], [String; 3]) {
         let usual = Sensors::of_the_thesis();
         let of = |known: &Option<(f64, String)>, usual: f64| match known {

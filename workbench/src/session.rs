@@ -45,18 +45,20 @@ impl Session {
         Session::open_with_model(path, None)
     }
 
-    /// As [`Session::open`], with another path for the model.
+    /// Opens a bench like [`Session::open`]; `model` is another path for the model.
     ///
     /// # Errors
-    /// As for [`Session::open`].
+    /// The first error in a file; [`Error::Data`] if a model from these data would be wrong; [`Error::Identify`] if no
+    /// experiment can be used.
     pub fn open_with_model(path: &Path, model: Option<&Path>) -> Result<Session, Error> {
         Session::open_reporting(path, model, &Progress::silent())
     }
 
-    /// As [`Session::open_with_model`], and reports to `progress` how much of each log has been read.
+    /// Opens a bench like [`Session::open_with_model`], and reports to `progress` how much of each log has been read.
     ///
     /// # Errors
-    /// As for [`Session::open`]; [`Error::Cancelled`].
+    /// The first error in a file; [`Error::Data`] if a model from these data would be wrong; [`Error::Identify`] if no
+    /// experiment can be used; [`Error::Cancelled`].
     pub fn open_reporting(
         path: &Path,
         model: Option<&Path>,
@@ -96,7 +98,8 @@ impl Session {
     /// one, `model.toml`.
     ///
     /// # Errors
-    /// As for [`Session::open`].
+    /// The first error in a file; [`Error::Data`] if a model from these data would be wrong; [`Error::Identify`] if no
+    /// experiment can be used.
     pub fn from_files(files: &FilesInMemory) -> Result<Session, Error> {
         let mut session = Session::from_bench(Bench::from_files(files)?)?;
         if files.contains("model.toml") {
@@ -156,7 +159,7 @@ impl Session {
         self.fitted = None;
     }
 
-    /// The measurements as fits see them: for those who go beyond the session.
+    /// The measurements in the form that fits use, for work that the session does not offer.
     pub fn problem(&self) -> &FitProblem {
         &self.problem
     }
@@ -230,7 +233,7 @@ impl Session {
         place_of(&self.bench)
     }
 
-    /// Fits `model` to all experiments, unless the last fit of this session was that one.
+    /// Fits `model` to all experiments, unless the last fit of this session was of the same model.
     pub(crate) fn fit(&self, model: &Model, progress: &Progress) -> Result<Identification, Error> {
         let found = self.fit_however(model, progress)?;
         self.refuse_failed(&found)?;
@@ -243,7 +246,7 @@ impl Session {
             .map_err(|source| self.not_identified(source))
     }
 
-    /// As [`Session::fit`], for a model that need not follow the logs.
+    /// Fits `model` like [`Session::fit`], but accepts a model that does not follow the logs.
     pub(crate) fn fit_however(
         &self,
         model: &Model,
@@ -295,8 +298,8 @@ impl Session {
         self.fitted = Some(found);
     }
 
-    /// The effects of users whose torque depends on the body's angle, where no log has the body upright: what they
-    /// do there is a guess.
+    /// The users' effects whose torque depends on the body's angle, if no log has the body upright: their torque there
+    /// is a guess.
     pub(crate) fn unseen_upright(&self, model: &Model, values: &[f64]) -> Vec<EffectId> {
         let is_seen = self.problem.records.iter().any(|record| {
             let angle = record.channel(Output::Angle);

@@ -1,4 +1,4 @@
-//! The stretches of an experiment's time that a figure shades: where the model fails most.
+//! The stretches of an experiment's time that a figure shades, because the model fails most in them.
 
 use identify::{BreakdownBin, Coordinate, ResidualKind};
 
@@ -11,8 +11,8 @@ use crate::words;
 pub const FAILS_OVER_NOISE: f64 = 1.5;
 /// Largest share of an experiment's time that a shaded place may cover. Otherwise the shading would not stand out.
 const MOST_SHADED: f64 = 0.5;
-/// Share of the squared error in the shaded time. A place must hold at least this share of its residual; without such a
-/// place, the shaded time holds just this share.
+/// Share of the squared error in the shaded time. A place is shaded only if it holds at least this share of its
+/// residual. If there is no such place, the shaded time holds just this share.
 const SHADED_ERROR: f64 = 0.5;
 
 /// The shaded part of an experiment.
@@ -20,7 +20,7 @@ const SHADED_ERROR: f64 = 0.5;
 pub struct Shading {
     /// Stretches of the log's time, first and last instant, s, in rising order.
     pub stretches_s: Vec<[f64; 2]>,
-    /// What is shaded: "angle 0.1 to 0.2 rad, with 71 % of the error of the rate".
+    /// The shaded place in words: "angle 0.1 to 0.2 rad, with 71 % of the error of the rate".
     pub text: String,
 }
 
@@ -41,9 +41,10 @@ impl ChannelCurves {
 impl ComparisonReport {
     /// Where the model fails most in an experiment, as stretches of its time.
     ///
-    /// This is the most significant place that holds at least half of the error of its residual and covers at most half of
-    /// the time. A model that fails everywhere has no such place; then it is the shortest time that holds half of the
-    /// squared error in the channel with the largest error over noise. `None` if the model does not fail in this experiment.
+    /// This is the most significant place that holds at least half of the error of its residual and covers at most
+    /// half of the time. A model that fails everywhere has no such place; then it is the shortest time that holds half
+    /// of the squared error in the channel with the largest error over noise. `None` if the model does not fail in
+    /// this experiment.
     pub fn shading(&self, experiment: &str) -> Option<Shading> {
         let mut curves = self.curves.iter();
         let curves = curves.find(|one| one.experiment == experiment)?;

@@ -23,7 +23,7 @@ pub struct SwingDecay {
     /// The measured curves over the amplitude.
     #[serde(skip)]
     pub measured: Option<FreeDecay>,
-    /// The same for the model's simulation, if it is available.
+    /// The simulated curves over the amplitude, if the simulation is available.
     #[serde(skip)]
     pub simulated: Option<FreeDecay>,
 }

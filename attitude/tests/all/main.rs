@@ -1,3 +1,3 @@
-//! Tests of what a user of the crate sees.
+//! Tests of the public interface of the crate.
 
 mod physics;

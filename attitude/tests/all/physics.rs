@@ -72,8 +72,8 @@ fn constant_rotation_is_integrated() {
     assert!((filter.quaternion().norm() - 1.0).abs() < 1e-12);
 }
 
-/// At rest the tilt error shrinks with β: in q by β, so as an angle by 2β a second. A zero rate
-/// must not stop it.
+/// At rest, the correction reduces the tilt error by 2β rad/s (q changes by β per second). A rate of zero must not
+/// stop the correction.
 #[test]
 fn still_sensor_converges_at_the_stated_speed() {
     let truth = pendulum_attitude(PI + 0.2, 0.0);
@@ -86,7 +86,7 @@ fn still_sensor_converges_at_the_stated_speed() {
     for _ in 0..1000 {
         filter.step_imu(&Vector3::zeros(), &up);
     }
-    // 0.5 − 2 · 0.1 · 1 s, to the little that a chord is shorter than its arc.
+    // 0.5 − 2 · 0.1 rad/s · 1 s; the tolerance covers the difference between chord and arc.
     assert!((theta(&filter) - 0.3).abs() < 2e-3, "{}", theta(&filter));
     for _ in 0..1000 {
         filter.step_imu(&Vector3::zeros(), &up);
@@ -94,8 +94,8 @@ fn still_sensor_converges_at_the_stated_speed() {
     assert!((theta(&filter) - 0.2).abs() < 3e-4, "{}", theta(&filter));
 }
 
-/// The nine-axis filter finds heading as well as tilt, from a wrong start, whatever the dip.
-/// Were the reference doubled as in the C code, the rest point would be tilted.
+/// The nine-axis filter finds heading and tilt from a wrong start, for any dip of the field. If the reference were
+/// doubled as in the C code, the filter would come to rest tilted.
 #[test]
 fn magnetometer_gives_the_heading() {
     for dip in [0.0_f64, 0.8, 1.2] {
@@ -111,7 +111,7 @@ fn magnetometer_gives_the_heading() {
     }
 }
 
-/// The heading by itself is found too, from any start, and at 2 β rad/s where it is far off.
+/// The turn to north finds the heading from any start, at 2 β rad/s as long as the heading is far off.
 #[test]
 fn the_turn_to_north_gives_the_heading() {
     for dip in [0.0_f64, 0.8, 1.2] {
@@ -141,8 +141,8 @@ fn the_turn_to_north_gives_the_heading() {
     }
 }
 
-/// A field that is 90° off in heading, as a motor's may be, on a body at rest: the gradient of 2010 leans by degrees; the
-/// turn to north leaves the vertical where six axes have it, whatever the field.
+/// A field with a heading error of 90°, as a motor may cause, on a body at rest. The gradient of Madgwick's report of
+/// 2010 tilts the estimate by degrees; the turn to north does not change the vertical of the six-axis filter.
 #[test]
 fn only_the_gradient_of_2010_leans_in_a_wrong_field() {
     let truth = pendulum_attitude(PI, 0.0);
@@ -175,7 +175,7 @@ fn only_the_gradient_of_2010_leans_in_a_wrong_field() {
         most[1]
     );
     assert!(most[0].to_degrees() > 3.0, "{most:?}");
-    // The chord of six-axis corrections at rest, which no field touches.
+    // The ripple of the six-axis corrections at rest remains, which does not depend on the field.
     assert!(most[1] < 1e-4, "{most:?}");
 }
 
@@ -203,7 +203,7 @@ fn unusable_measurements_fall_back_to_the_gyro() {
         }
         assert_eq!(filter.quaternion(), gyro_only.quaternion(), "{accel:?}");
     }
-    // One count more than g/8 is used, and a magnetometer that is not usable does no harm.
+    // A reading one count above g/8 is used, and an unusable magnetometer changes nothing.
     for mag in [[0, 0, 0], [i16::MAX, 0, 0]] {
         let (mut six, mut nine) = (RawFilter::new(&spec), RawFilter::new(&spec));
         let mut gyro_only = RawFilter::new(&spec);
@@ -234,7 +234,7 @@ fn lever_arm_correction_on_a_swing() {
         let (mut angle, mut rate) = (2.5_f64, 0.0_f64);
         let (mut squares, mut count) = (0.0_f64, 0);
         for step in 0..20_000 {
-            // The readings follow this very motion: the gyroscope reads the step's mean rate.
+            // The readings belong to exactly this motion: the gyroscope reads the mean rate of the step.
             let acceleration = -95.0 * angle.sin() - 0.05 * rate;
             let up = pendulum_attitude(angle, 0.0).inverse() * Vector3::z();
             let accel = STANDARD_GRAVITY * up
@@ -256,7 +256,7 @@ fn lever_arm_correction_on_a_swing() {
             filter.update_imu([0, 0, raw_rate], raw_accel);
             angle += STEP_S * mean_rate;
             rate += STEP_S * acceleration;
-            // The start in full motion is misread by 0.6 rad, which takes 0.6/(2β) = 3 s to decay.
+            // The alignment in full motion is wrong by 0.6 rad, which takes 0.6/(2β) = 3 s to decay.
             if step > 5000 {
                 squares += wrap_angle(filter.angle_rad() + PI - angle).powi(2);
                 count += 1;
@@ -272,8 +272,8 @@ fn lever_arm_correction_on_a_swing() {
     assert!(plain > 5.0 * corrected, "{plain} {corrected}");
 }
 
-/// A rate bias makes the integral drift, the complementary filter lean by bias times its time
-/// constant, and Madgwick's filter by no more than its chatter as long as β outruns the bias.
+/// With a bias of the rate, the integral drifts, the complementary filter is off by bias times time constant, and
+/// Madgwick's filter is off by no more than its ripple, as long as β is large enough for the bias.
 #[test]
 fn what_each_filter_makes_of_a_rate_bias() {
     let bias = 0.02;

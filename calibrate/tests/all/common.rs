@@ -1,4 +1,4 @@
-//! Noise, counts, poses, and what stated standard errors are held to.
+//! Noise, counts, poses, and the test that stated standard errors are right.
 
 use nalgebra::Vector3;
 use rand::SeedableRng;
@@ -54,9 +54,9 @@ impl ChiSquared {
         self.worst = self.worst.max(z.abs());
     }
 
-    /// The mean over n independent values scatters by √(2/n); parameters of one seed are
-    /// correlated, so `independent` values are counted, and five standard deviations allowed.
-    /// `excess` is the expected mean: 1, or ν/(ν − 2) where the variance was estimated.
+    /// Asserts that the mean differs from `excess` by at most five standard deviations. The mean of n independent
+    /// values has the standard deviation √(2/n). Parameters of one seed are correlated, so that n = `independent` is
+    /// given. `excess` is the expected mean: 1, or ν/(ν − 2) if the variance was estimated with ν degrees of freedom.
     pub fn assert_one(&self, name: &str, independent: f64, excess: f64) {
         let mean = self.sum / self.count;
         println!(

@@ -28,8 +28,8 @@ fn line_of_the_converter() {
     assert!(fit_line(&[(1.0, 2.0), (2.0, f64::NAN), (3.0, 4.0)]).is_err());
 }
 
-/// A converter that stands at both ends of its range: the points there are left out, and the line is
-/// that of the others.
+/// The count of a converter stays constant at both ends of its range. The points there are left out, and the line is
+/// fitted to the other points.
 #[test]
 fn the_ends_of_a_converter_are_left_out() {
     let (slope, offset) = (0.9_f64, -552.0);
@@ -49,12 +49,12 @@ fn the_ends_of_a_converter_are_left_out() {
     assert_eq!(found.left_out.len(), outside);
     assert!((found.slope / slope - 1.0).abs() < 1e-3, "{}", found.slope);
     assert!((found.offset - offset).abs() < 0.5, "{}", found.offset);
-    // All of them taken together bend the line by ten times that.
+    // A line through all points has an error ten times as large.
     let bent = fit_line(&points).expect("a line");
     assert!((bent.slope / slope - 1.0).abs() > 1e-2, "{}", bent.slope);
 }
 
-/// Of a line with noise alone next to nothing is left out.
+/// If the points of a line have only noise, hardly any is left out.
 #[test]
 fn noise_is_not_left_out() {
     let (mut left_out, seeds) = (0, 200);

@@ -1,4 +1,4 @@
-//! Where the accelerometer sits from the pivot.
+//! The position of the accelerometer relative to the pivot.
 
 use crate::common::{ChiSquared, GRAVITY, Noise, counts};
 use attitude::SensorLine;
@@ -116,13 +116,13 @@ fn lever_arm_from_a_swing() {
 #[test]
 fn lever_arm_refuses_what_does_not_determine_it() {
     let mut noise = Noise::new(8);
-    // A body that hardly moves says nothing of where the sensor sits: the standard error shows it.
+    // A body that hardly moves does not determine the position of the sensor, as the standard error shows.
     let still = found_lever_arm(&mut noise, [0.05, 0.0], 0.0, 0.02, 1e-3);
     match still {
         Ok(found) => assert!(found.position_std_m[0] > 2e-3, "{found:?}"),
         Err(error) => assert!(matches!(error, CalibrationError::NotDetermined { .. })),
     }
-    // Over the top: faster than the gyroscope reads.
+    // A swing over the top is faster than the range of the gyroscope.
     let gyro = SensorLine::ideal(1e-3);
     let sensor = SensorCalibration {
         line: SensorLine::ideal(GRAVITY / 4096.0),

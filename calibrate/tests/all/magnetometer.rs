@@ -54,7 +54,7 @@ fn magnetometer_warns_of_poor_coverage() {
 }
 
 /// Readings that overflowed, and an axis that stops at the end of its range, are left out and
-/// counted; what is left gives bias and matrix as if they had not been there.
+/// counted; the fit to the other readings is good, and its bias is within 4 counts.
 #[test]
 fn overflows_and_clipped_axes_are_left_out() {
     for seed in 0..40 {
@@ -85,7 +85,7 @@ fn overflows_and_clipped_axes_are_left_out() {
     }
 }
 
-/// A whole sphere in few or many counts is left as it is.
+/// No reading is left out of a whole sphere, of a small or large radius in counts.
 #[test]
 fn a_whole_sphere_is_not_clipped() {
     for (seed, radius, readings) in [(1, 480.0, 1200), (2, 60.0, 5000), (3, 5000.0, 600)] {
@@ -98,7 +98,7 @@ fn a_whole_sphere_is_not_clipped() {
     }
 }
 
-/// Readings on no ellipsoid, as beside a motor that was switched on, do not fit.
+/// Readings that lie on no ellipsoid, as near a motor that was switched on, are reported as not fitting.
 #[test]
 fn another_field_is_noticed() {
     let mut noise = Noise::new(77);

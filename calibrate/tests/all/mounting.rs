@@ -1,4 +1,4 @@
-//! How the sensor sits on the body, and the filter that is told so.
+//! The orientation of the sensor on the body, and the filter that uses it.
 
 use crate::common::{ChiSquared, GRAVITY, Noise, counts, pose_directions};
 use attitude::{AttitudeSpec, RawFilter, SensorLine, wrap_angle};
@@ -49,8 +49,8 @@ fn mounting_from_swing_and_rest() {
         let error = found.axis - axis;
         // Two directions across the axis, each with the stated share of the total.
         of_axis.add(error.norm(), found.axis_std_rad);
-        // The shortest turn onto z moves the sensor's x axis by what two turns commute to, which
-        // the definition of the angle includes: compare with the exact one.
+        // The smallest rotation of the axis onto z also turns the sensor's x axis a little. The definition of the
+        // mounting angle includes this turn, so that the angle is compared with the exact one after the same rotation.
         let exact_x = found.alignment.inverse() * Vector3::x();
         let in_body = to_sensor.inverse() * exact_x;
         let exact = in_body.y.atan2(in_body.x);

@@ -8,7 +8,7 @@ use super::items::{Function, FunctionKey, last};
 use super::scope::{CPlace, Scope};
 use super::types::{Int, Type};
 
-/// What is called, with its arguments.
+/// A call: the function and its arguments.
 pub struct Call<'e> {
     /// The function.
     pub key: FunctionKey,

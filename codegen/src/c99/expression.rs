@@ -72,7 +72,7 @@ impl Scope<'_> {
         self.scalar_beside(expression, wanted, true)
     }
 
-    /// `is_beside_wide`: another operand, or the target, determines the width of a number.
+    /// Translates a scalar. If `is_beside_wide`, another operand or the target determines the width of a number.
     fn scalar_beside(
         &mut self,
         expression: &Expr,
@@ -301,7 +301,7 @@ impl Scope<'_> {
     }
 }
 
-/// What an expression is, for messages.
+/// The kind of an expression, in the words of a message.
 pub(super) fn kind(expression: &Expr) -> String {
     let text = quote::quote!(#expression).to_string();
     format!("`{}`", text.chars().take(60).collect::<String>())

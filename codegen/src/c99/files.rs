@@ -282,7 +282,7 @@ fn source(parts: &Parts) -> String {
         parts.title
     );
     text.push_str(&type_definitions(items, &parts.types));
-    // Numbers first: tables are made of them.
+    // Numbers come before tables, which refer to them.
     for is_table in [false, true] {
         for key in &items.constant_order {
             let is_public = PUBLIC_CONSTANTS

@@ -20,9 +20,9 @@ pub struct Function {
     pub receiver: Option<Passing>,
     /// The other parameters.
     pub parameters: Vec<(String, Type)>,
-    /// What it returns.
+    /// The type of its result.
     pub returns: Type,
-    /// Whether that is a reference to a part of the receiver.
+    /// Whether the result is a reference to a part of the receiver.
     pub returns_reference: bool,
     /// Its body.
     pub body: syn::Block,
@@ -30,7 +30,7 @@ pub struct Function {
     pub attributes: Vec<Attribute>,
 }
 
-/// How a receiver is passed.
+/// How a method receives its structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Passing {
     /// `&self`
@@ -77,7 +77,7 @@ pub struct Items {
     pub modules: Vec<(String, Vec<Attribute>)>,
     /// The functions.
     pub functions: BTreeMap<FunctionKey, Function>,
-    /// In the order of the source.
+    /// The keys of the functions, in the order of the source.
     pub function_order: Vec<FunctionKey>,
     /// Structures with named fields.
     pub structs: BTreeMap<ItemKey, Struct>,
@@ -87,7 +87,7 @@ pub struct Items {
     pub enums: BTreeMap<ItemKey, Enum>,
     /// Constants.
     pub constants: BTreeMap<ItemKey, Constant>,
-    /// In the order of the source.
+    /// The keys of the constants, in the order of the source.
     pub constant_order: Vec<ItemKey>,
     /// For every module: the declarations that its names refer to.
     imports: BTreeMap<ItemKey, ItemKey>,

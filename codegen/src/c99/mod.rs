@@ -15,7 +15,7 @@
 //! | `scope` | the names of one function |
 //! | `expression` | scalars |
 //! | `call` | calls |
-//! | `place` | what an expression names |
+//! | `place` | the places that expressions name: variables, fields, elements, constants |
 //! | `infer` | the types of expressions |
 //! | `statement` | blocks, structures and arrays |
 //! | `constants` | constants and their initialisers |
@@ -50,7 +50,7 @@ pub use files::emit;
 pub struct Untranslatable {
     /// The module, and the function if there is one.
     pub place: String,
-    /// What it is.
+    /// The construct.
     pub what: String,
 }
 

@@ -1,4 +1,4 @@
-//! What an expression names: variables, fields, elements, constants.
+//! The places that expressions name: variables, fields, elements, constants.
 
 use syn::{Expr, UnOp};
 

@@ -1,5 +1,5 @@
-//! `certificate.json` of the emitted crate: what is claimed, with everything needed to recheck it
-//! from the emitted source alone.
+//! `certificate.json` of the emitted crate: the claims, with all numbers that are needed to check them again from the
+//! emitted source alone.
 //!
 //! Real numbers are decimal strings, and the decimal is the exact value. Bounds are exact where they have at most
 //! [`BOUND_DIGITS`] digits and otherwise rounded up in the last of them.
@@ -23,13 +23,13 @@ pub const FORMAT_VERSION: u32 = 5;
 /// Significant digits of a bound.
 const BOUND_DIGITS: u32 = 40;
 
-/// The whole file.
+/// The contents of `certificate.json`.
 #[derive(Debug, Serialize)]
 struct Certificate<'a> {
     generator: &'static str,
     format_version: u32,
     model: &'a str,
-    /// Emitted files that the claims speak of.
+    /// Emitted files whose text the claims are about.
     files: Vec<&'a str>,
     sample_time_s: String,
     parameters: Vec<Parameter<'a>>,
@@ -45,7 +45,7 @@ struct Certificate<'a> {
     accelerometer_m_s2_per_count: Option<String>,
     /// Fresh samples of the gyroscope a second.
     gyro_rate_hz: Option<String>,
-    /// Sentences about the properties of sensors and drive that nobody stated.
+    /// Sentences about the properties of sensors and drive that the bench does not state.
     assumed: Vec<String>,
     inputs: Vec<Input<'a>>,
     output: Output,
@@ -100,14 +100,15 @@ struct Drive {
     duty_low: u16,
     duty_high: u16,
     amperes_per_count: String,
-    /// What the drive gives both ways.
+    /// Largest current in A that the drive gives in both directions.
     #[serde(rename = "current_range_A")]
     current_range_a: String,
-    /// What a voltage drive is besides.
+    /// Further numbers of a voltage drive.
     voltage: Option<Voltage>,
 }
 
-/// V = R u + k_e w, at most the supply's.
+/// A voltage drive: V = R u + k_e w for the current u (A) and the wheel speed w (rad/s), limited to ± the supply
+/// voltage.
 #[derive(Debug, Serialize)]
 struct Voltage {
     volts_per_count: String,
@@ -117,7 +118,7 @@ struct Voltage {
     winding_ohm: String,
     #[serde(rename = "back_emf_V_s")]
     back_emf_v_s: String,
-    /// The linear model sampled with V/R held.
+    /// The linear model, sampled with V/R held over a step.
     #[serde(rename = "Ad")]
     ad: [[String; 3]; 3],
     #[serde(rename = "Bd")]
@@ -152,7 +153,7 @@ struct Constant<'a> {
     name: &'a str,
     file: &'static str,
     line: Option<usize>,
-    /// From which number of this file it was made.
+    /// The field of this file whose number became the constant.
     from: String,
     real: &'a str,
     raw: i64,
@@ -215,9 +216,9 @@ struct Claim {
     bound: Option<String>,
 }
 
-/// What was found for the module beside its law.
+/// The numbers that were computed for the module in addition to its law.
 pub struct Found<'a> {
-    /// What the monitor was told, and its numbers.
+    /// The specification of the monitor and its numbers, if the module has one.
     pub monitor: Option<(&'a MonitorSpec, &'a MonitorNumbers)>,
     /// The modes of the loop.
     pub modes: Option<&'a Modes>,
@@ -390,7 +391,7 @@ fn constants<'a>(law: &'a IntegerLaw, sources: &[EmittedFile]) -> Vec<Constant<'
         raw: law.limit_raw.into(),
         fraction_bits: law.current.fraction_bits,
         unit: "A",
-        // The linear loop knows no limit.
+        // The linear loop has no limit of the current.
         claims: ClaimId::ALL
             .into_iter()
             .filter(|claim| *claim != ClaimId::ClosedLoopStable)

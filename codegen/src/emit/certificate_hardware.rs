@@ -8,7 +8,7 @@ use crate::exact::ShortestDecimal;
 use crate::hardware::{BodySensor, EncoderSpec, WheelSensor};
 use crate::spec::ModuleSpec;
 
-/// All of them.
+/// The hardware of the module.
 #[derive(Debug, Serialize)]
 pub(super) struct Hardware {
     #[serde(flatten)]
@@ -16,7 +16,7 @@ pub(super) struct Hardware {
     wheel_speed: WheelSpeed,
 }
 
-/// What shows the body.
+/// The sensors that measure the body's angle and rate.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 enum Body {
@@ -43,13 +43,13 @@ struct Inertial {
     beta_rad_s: String,
     /// Time constant with which the filter follows the gyroscope's drift.
     drift_time_s: String,
-    /// Largest drift that is followed.
+    /// Largest drift of the gyroscope that the filter follows.
     drift_limit_rad_s: String,
     gravity_m_s2: String,
-    /// Weakest usable field.
+    /// Weakest magnetic field that the filter uses.
     #[serde(rename = "field_min_uT")]
     field_min_ut: String,
-    /// Of the accelerometer, along its x and y.
+    /// Lever arm of the accelerometer along its x and y axis, from the pivot.
     lever_arm_m: [String; 2],
     mounting_angle_rad: String,
 }
@@ -64,7 +64,7 @@ struct Sensor {
     clip_counts: [i32; 3],
 }
 
-/// A straight line.
+/// The sensor of the wheel speed: a straight line from counts to rad/s.
 #[derive(Debug, Serialize)]
 struct WheelSpeed {
     /// `converter`, `driver` or `encoder`.
@@ -74,7 +74,7 @@ struct WheelSpeed {
     /// Lower end of the sensor's range. For an encoder, the range of the difference over its window.
     low_counts: i32,
     high_counts: i32,
-    /// The encoder, where it is one.
+    /// The encoder, if the kind is `encoder`.
     encoder: Option<Encoder>,
 }
 
@@ -83,7 +83,7 @@ struct WheelSpeed {
 struct Encoder {
     counts_per_turn: String,
     bits: u32,
-    /// Steps over which its turn is taken.
+    /// Number of steps over which the difference of the counts is taken.
     window: u32,
 }
 

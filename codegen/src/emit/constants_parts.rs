@@ -37,7 +37,7 @@ pub(super) fn wheel_and_drive(
     (duty_type, constants)
 }
 
-/// What the words of the wheel's sensor mean.
+/// The documentation of the wheel's sensor and its words.
 fn wheel_document(spec: &ModuleSpec, law: &IntegerLaw) -> String {
     let number = |value: f64| ShortestDecimal::new(value).text;
     let hardware = &spec.hardware;
@@ -144,7 +144,7 @@ fn zero_documents(spec: &ModuleSpec) -> Vec<String> {
     ]
 }
 
-/// What the words of an encoder mean.
+/// The documentation of an encoder and its words.
 pub(super) fn encoder_documents(
     name: &str,
     shows: &str,

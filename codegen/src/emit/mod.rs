@@ -16,10 +16,10 @@
 //!   `Alias::from_bits(x)` of the `fixed` types; `x.clamp(low, high)` with constant bounds;
 //!   `x as i32` of a value clamped to the range of an `i32`.
 //!
-//! A number whose type is not that of what it is computed with carries it: `1_i64 << SHIFT`, so that
-//! nobody has to know how Rust finds types. Code is ASCII; names have one spelling.
+//! A literal whose type differs from that of the other operand carries its type, as in `1_i64 << SHIFT`, so that a
+//! checker needs no type inference. Code is ASCII; names have one spelling.
 //!
-//! In these, every `i64` operation is meant to be exact: overflow is excluded, not wrapped.
+//! In this language every `i64` operation is meant to be exact: overflow is excluded, not wrapped.
 //! Runtime helpers (`codegen/runtime/`) are hand-written and may in addition use:
 //!
 //! - Files: `use super::module::{names};`, `#[inline]`, `#[derive(…)]` and contracts under

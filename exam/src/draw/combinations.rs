@@ -355,7 +355,8 @@ fn start_steps(segment: &Segment) -> Vec<Beginning> {
                 wheel_speed_rad_s: from.wheel_speed_rad_s + noise(Output::WheelSpeed),
                 ..from
             }),
-            // The exam's logs have a recorded current and no quantised angle; the other unknowns act with certain effects only.
+            // The exam's logs have a recorded current and no quantised angle; the other unknowns act with certain
+            // effects only.
             _ => None,
         })
         .collect()
@@ -446,9 +447,9 @@ mod tests {
         let hidden = || Hidden::Library(drag, vec![5e-6]);
         let (size, with) = left(hidden(), &[drag]);
         assert!(size > 3.0, "{size}");
-        // What is not linear in a trace of this size remains.
+        // Only the part of the trace that is not linear in the amplitude remains.
         assert!(with < 0.1 * size, "{with} of {size}");
-        // What has nothing to do with it takes nothing.
+        // An unrelated suspect explains hardly any of the trace.
         let (_, beside) = left(hidden(), &[EffectId::GyroBias]);
         assert!(beside > 0.9 * size, "{beside} of {size}");
     }

@@ -59,7 +59,7 @@ pub struct Choice {
     pub plans: Vec<ExperimentPlan>,
     /// Whether the rate is measured.
     pub has_rate: bool,
-    /// Which of Θ, j_w, G, τ are known.
+    /// The known values of Θ (kg m²), j_w (kg m²), G (N m) and τ (N m/A); `None` for an unknown one.
     pub known: [Option<f64>; 4],
     /// The lengths that were measured with a ruler: from the second list of the exam on, the distance from the pivot to
     /// the wheel.

@@ -1,12 +1,11 @@
 //! The draw: the bench that belongs to a seed.
 //!
-//! Seeds below a million hide the effects of the first list, those from there on the effects of both (the lags,
-//! delays and the like of sensors came with the second); the suspects are the same for all. Of the first, forty
-//! seeds make a round. In every round each effect of the library is hidden once
-//! alone and once in one of nine pairs, each of the eight outsiders is hidden once, one effect of
-//! the library is hidden and taken out of the suspects, and four benches hide nothing. Everything
-//! else (parameters, experiments, noise, sizes, shapes) is drawn from the seed alone, and the diagnosis is
-//! never asked.
+//! Seeds below a million hide the effects of the exam's first list. Higher seeds hide those of both lists; the second
+//! list added the lags and delays of sensors, among others. The suspects are the same for all seeds. Below a million,
+//! forty seeds are a round. In every round each effect of the list is hidden once alone and once in one of nine pairs,
+//! each of the eight outsiders is hidden once, one effect is hidden and removed from the suspects, and four benches
+//! hide nothing. Everything else (parameters, experiments, noise, sizes, shapes) is drawn from the seed alone, and
+//! never depends on the diagnosis.
 //!
 //! The size of a hidden term is log-uniform from 1 to 30. It is the root mean square of its trace after the base model
 //! has been refitted, in the channel with the largest trace, in units of that channel's noise. An outsider counts only
@@ -79,8 +78,8 @@ pub fn draw(seed: u64) -> Option<ExamBench> {
     (0..REDRAWS).find_map(|attempt| attempt_draw(seed, attempt, question.clone(), None))
 }
 
-/// A bench with one hidden effect that is not part of this program; it is a suspect beside those of the library. The exam
-/// needs its equation a second time. `None` if no draw of this seed has the drawn size.
+/// A bench with one hidden effect that is not part of this program; it is a suspect beside those of the library. The
+/// exam needs its equation a second time. `None` if no draw of this seed has the drawn size.
 pub fn draw_stated(seed: u64, effect: EffectId, torque: &StatedTorque) -> Option<ExamBench> {
     let question = Question::One(effect);
     (0..REDRAWS).find_map(|attempt| attempt_draw(seed, attempt, question.clone(), Some(torque)))
@@ -91,7 +90,7 @@ fn needs(question: &Question) -> ExperimentNeeds {
     let hidden = question.hidden();
     let any = |holds: fn(EffectId) -> bool| hidden.iter().any(|&effect| holds(effect));
     ExperimentNeeds {
-        // A late angle shows beside a rate.
+        // A delay of the angle is visible only beside a measured rate.
         rate: any(|effect| {
             let info = effect.info();
             info.senses == Some(Output::Rate)
@@ -156,7 +155,8 @@ fn attempt_draw(
     }
     if question.is_outside() {
         let fit = base_fit(&made.clean, &truth)?;
-        // Seeds of the first list keep their outsiders, whatever suspects came later.
+        // Only effects of the seed's list count as rivals, so that effects which were added later do not change the
+        // outsiders.
         let of_list = effects_of(seed);
         let mut rivals = suspects.clone();
         rivals.retain(|suspect| of_list.contains(suspect) || stated.is_some());

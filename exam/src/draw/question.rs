@@ -8,8 +8,8 @@ use crate::truth::Outsider;
 
 /// Seeds in a round of those below [`SENSOR_SEEDS`].
 pub const ROUND: u64 = 40;
-/// From this seed on the effects that came with the second list hide too (lags, delays and the like of sensors). A
-/// seed below hides what it always hid: marks of different years can be compared.
+/// From this seed on, the effects of the second list are hidden, too (lags and delays of sensors, among others). A
+/// lower seed hides what it has always hidden, so that marks of different years can be compared.
 pub const SENSOR_SEEDS: u64 = 1_000_000;
 
 /// The question that a bench asks.
@@ -63,7 +63,7 @@ pub fn effects() -> Vec<EffectId> {
         .collect()
 }
 
-/// Those of them that hide in benches of this seed's range.
+/// The effects that may be hidden in the bench of this seed: those of the first list, or of both lists.
 pub fn effects_of(seed: u64) -> Vec<EffectId> {
     let since = u32::from(seed >= SENSOR_SEEDS);
     let mut effects = effects();
@@ -71,8 +71,8 @@ pub fn effects_of(seed: u64) -> Vec<EffectId> {
     effects
 }
 
-/// Seeds in the round of a seed: each effect alone and once in a pair, each outsider, one that is withheld, and
-/// [`NOTHING`].
+/// Number of seeds in the round of a seed: one for each effect alone, for each pair of effects, for each outsider and
+/// for a withheld effect, and [`NOTHING`] that hide nothing.
 fn round_of(seed: u64) -> u64 {
     let effects = effects_of(seed).len();
     (effects + effects / 2 + Outsider::ALL.len() + 1 + NOTHING) as u64

@@ -23,7 +23,7 @@ pub fn pivot_to_wheel_m(total_inertia: f64) -> f64 {
     0.085 * (total_inertia / 2.3e-3).powf(0.2)
 }
 
-/// The bench as an effect sees it when the exam draws its parameters. The fields for the shape are drawn later.
+/// The properties of the bench that decide the parameters of a hidden effect. The fields for the shape are drawn later.
 pub fn place(truth: &Truth, (top_current_a, top_wheel_speed_rad_s): (f64, f64)) -> HidingPlace {
     let [
         total_inertia,

@@ -1,4 +1,4 @@
-//! The equations of the true motion: torques, accelerations, and what sensors show of them.
+//! The equations of the true motion: torques, accelerations, and the readings of the sensors.
 
 use nalgebra::{Matrix2, Vector2};
 use plant::{EffectId, Kind};

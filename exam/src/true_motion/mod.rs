@@ -40,7 +40,7 @@ pub struct TrueMotion {
     body: Direction,
     wheel: Direction,
     steps_per_sample: f64,
-    /// Those of the sensors that need the time; `None` where none does.
+    /// The sensors, if one of them has a lag or a delay; otherwise `None`.
     sensors: Option<TrueSensors>,
 }
 

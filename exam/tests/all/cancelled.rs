@@ -1,4 +1,4 @@
-//! A diagnosis that is called off.
+//! A diagnosis that is cancelled.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -8,8 +8,8 @@ use exam::draw;
 use identify::{Cancelled, Progress, identify};
 use plant::Model;
 
-/// Wherever a diagnosis is called off, it ends before its next fit: each of the fits that run at the same time asks once
-/// more whether to go on, and no progress is reported after that.
+/// A cancelled diagnosis ends before its next fit. Each of the fits that run in parallel checks once more for
+/// cancellation, and no progress is reported after that.
 #[test]
 fn a_diagnosis_ends_soon_after_it_is_called_off() {
     let bench = draw(5).expect("a bench");

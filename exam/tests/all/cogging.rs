@@ -1,4 +1,4 @@
-//! The teeth of a motor: what they do to logs, and what a diagnosis makes of it.
+//! Cogging of a motor: its traces in logs, and the verdicts of the diagnosis on them.
 
 use exam::{Answer, Mark, draw, mark};
 use identify::{Effort, Progress, Record, Window, final_windows, refit, simulate};
@@ -23,8 +23,8 @@ fn cost(record: &Record, windows: &[Window], model: &Model, values: &[f64]) -> f
     sum / record.observations() as f64
 }
 
-/// With the true parameters and the best start, windows leave the noise; one piece leaves nothing of the
-/// measurement, for a millionth of a rad/s at the start has grown more than a thousandfold.
+/// With the true parameters and the best starts, a simulation in windows leaves only the noise. A simulation in one
+/// piece does not follow the log, because an error of 1e-6 rad/s at the start grows more than a thousandfold.
 #[test]
 fn a_driven_log_with_cogging_is_predictable_in_windows_only() {
     let bench = draw(DRIVEN).expect("a bench");
@@ -76,8 +76,8 @@ fn a_driven_log_with_cogging_is_predictable_in_windows_only() {
     assert!(growth > 1e3, "{growth}");
 }
 
-/// A bench whose driven log is unpredictable in one piece; one whose teeth hold the wheel against a
-/// small current; one whose pushes the command does not show.
+/// Three benches: a driven log that cannot be predicted in one piece, a wheel that cogging holds against a small
+/// current, and pushes that the command does not show.
 #[test]
 fn cogging_is_named_where_it_holds_the_wheel_or_hides_a_push() {
     for seed in [DRIVEN, 888, 928] {

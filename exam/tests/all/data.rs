@@ -1,4 +1,4 @@
-//! Effects of nature are no faults of the data: no bench of the exam is refused, whatever is hidden in it.
+//! Physical effects are no faults of the data: the data check refuses no bench of the exam, whatever is hidden in it.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! The exam examined: its simulator against physics and against the plant, its draw, and a short exam.
+//! Tests of the exam: its simulator compared with physics and with the plant, its draw, and a short exam.
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -224,7 +224,7 @@ fn a_seed_is_a_bench_with_the_size_that_was_wanted() {
     }
 }
 
-/// The base vibrates: on a body at rest the swing answers at the frequency of the base.
+/// The base vibrates: a body at rest begins to swing at the frequency of the base.
 #[test]
 fn an_outsider_acts_as_it_says() {
     let (torque, frequency) = (1e-3, 5.0);
@@ -259,8 +259,8 @@ fn the_interval_of_a_share_is_wilsons() {
     );
 }
 
-/// A few seconds of the exam: one effect of each kind that is quickly judged, and benches that hide
-/// nothing. No confident verdict may be wrong; most must be right.
+/// An exam of a few seconds: one effect of each kind whose diagnosis is fast, and benches that hide nothing. No
+/// confident verdict may be wrong; most verdicts must be right.
 #[test]
 fn a_short_exam_is_passed() {
     let seeds = [0u64, 3, 5, 7, 9, 13, 14, 16, 17, 27, 28, 30];
@@ -282,9 +282,9 @@ fn a_short_exam_is_passed() {
     assert!(marks.coverage.share() >= 0.75, "{:?}", marks.coverage);
 }
 
-/// In the first bench no torque of the wheel is known, and a supply limit that started from volts against a
-/// back-EMF per unit of inertia promised more than all that was missed; in the second a fit of the delay
-/// crept, since the command from before the log was missing in its derivative.
+/// Two benches that were diagnosed wrongly once. In the first, no torque of the wheel is known, and the starts of the
+/// supply limit mixed volts with a back-EMF per unit of inertia. In the second, the fit of the delay converged slowly,
+/// because its derivative lacked the command from before the log.
 #[test]
 fn no_effect_is_hidden_by_the_starts_of_another() {
     for (seed, effect) in [(3697, EffectId::GyroBias), (4049, EffectId::InputDelay)] {
@@ -294,7 +294,7 @@ fn no_effect_is_hidden_by_the_starts_of_another() {
     }
 }
 
-/// A driven body that tumbles: no fit follows it in one piece.
+/// A driven body that turns over the top: no fit follows its log in one piece.
 #[test]
 fn a_body_that_passes_over_the_top_lacks_nothing() {
     let bench = draw(4749).expect("a bench");
@@ -309,7 +309,8 @@ fn a_body_that_passes_over_the_top_lacks_nothing() {
     assert_eq!(paper.verdict, Verdict::NothingMissing);
 }
 
-/// A stop is a torque over the angle; a constant, a linear and a cubic term together would fit it.
+/// A soft stop is a torque over the angle, which a constant, a linear and a cubic term together could fit: the verdict
+/// is still "unexplained".
 #[test]
 fn three_terms_of_a_power_series_are_no_explanation() {
     for seed in [262, 902] {

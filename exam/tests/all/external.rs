@@ -1,4 +1,4 @@
-//! An effect that is no part of this program: hidden by the exam, fitted and named by the diagnosis.
+//! An effect that is defined outside of this program: the exam hides it, the diagnosis fits and names it.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use plant::{
     Smoothing,
 };
 
-/// A magnet on the body passes one on the frame: a z exp(−z²), z = (α − β)/w.
+/// A magnet on the body that passes a magnet on the frame: a z exp(−z²), z = (α − β)/w.
 #[derive(Clone, Copy, Debug)]
 struct Magnet;
 

@@ -1,12 +1,12 @@
-//! What a model's own terms get wrong is no missing effect.
+//! The error that a model's smoothed dry friction causes is not taken for a missing effect.
 
 use diagnose::{Verdict, imperfection};
 use exam::{Answer, Mark, draw, fitted, mark};
 use identify::{Effort, Output, Progress, identify};
 use plant::{EffectId, Kind, Model};
 
-/// Benches whose dry friction really sticks (the exam simulates it so), in a balance log that stops
-/// again and again: the misfit of the smoothed sign is predicted from the model alone.
+/// Benches whose dry friction really sticks, as the exam simulates it, with a balance log in which the body stops
+/// often. The error of the smoothed sign in this log is predicted from the model alone.
 #[test]
 fn the_misfit_of_a_smoothed_sign_is_predicted() {
     for seed in [326, 520] {
@@ -34,8 +34,8 @@ fn the_misfit_of_a_smoothed_sign_is_predicted() {
     }
 }
 
-/// A wheel that sticks, in logs that show it in motion only: a dead zone of the motor takes the same torque
-/// away, and has no sign that a simulation smooths.
+/// A wheel that sticks, in logs that show it only in motion. A dead zone of the motor takes the same torque away, but
+/// has no smoothed sign: the two must tie.
 #[test]
 fn dry_friction_loses_no_tie_by_its_smoothed_sign() {
     let bench = draw(4006).expect("a bench");
@@ -51,7 +51,7 @@ fn dry_friction_loses_no_tie_by_its_smoothed_sign() {
             paper.ambiguous_between
         );
     }
-    // Sample by sample the misfit of the smoothed sign is in the errors, and not only as large as a part of them.
+    // The predicted error of the smoothed sign is part of the residuals sample by sample: without it they are smaller.
     let problem = &bench.problem;
     let base = identify(problem, &Model::base(), None).expect("a fit").fit;
     let truth = fitted(problem, &base.minimum, &answer.effects, &answer);
@@ -80,8 +80,9 @@ fn without_dry_friction_there_is_none() {
     assert!(imperfection.iter().all(|&value| value == 0.0));
 }
 
-/// In the first bench the difference looks like Stribeck's curve at the speed of the smoothing; in the
-/// second, cogging alone was stuck, and dry friction of the body looked needed beside it.
+/// In the first bench, the error of the smoothed sign looks like Stribeck friction at the smoothing speed. In the
+/// second, a fit with cogging alone ended in a local minimum, so that dry friction of the body seemed to be needed,
+/// too.
 #[test]
 fn neither_a_smoothed_sign_nor_a_stuck_fit_is_taken_for_an_effect() {
     for (seed, effect) in [
@@ -101,8 +102,8 @@ fn neither_a_smoothed_sign_nor_a_stuck_fit_is_taken_for_an_effect() {
     }
 }
 
-/// Dry friction of a wheel that really sticks, without a run that stands still: a current offset fits as
-/// well, and better than friction with a smoothed sign, which is no reason to name it.
+/// Dry friction of a wheel that really sticks, without a log in which the wheel stands still. An offset of the current
+/// fits as well, and better than friction with a smoothed sign; the verdict must still be a tie.
 #[test]
 fn dry_friction_does_not_lose_by_its_smoothed_sign() {
     let bench = draw(992).expect("a bench");

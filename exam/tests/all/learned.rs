@@ -1,6 +1,6 @@
 //! Hidden torques that no effect of the library describes and that depend on one coordinate. The program names the
-//! coordinate; a learned curve over it lowers the error of every log to the noise, and a model with the curve predicts an
-//! unseen log better than one without.
+//! coordinate; a learned curve over it lowers the error of every log to the noise, and a model with the curve predicts
+//! an unseen log better than one without.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ const NOISE: ChannelNoise = ChannelNoise {
     std: [1.2e-3, 4e-3, 0.6],
 };
 const SEED: u64 = 1800;
-/// Largest error, over the noise of its sensor, with the curve.
+/// Largest accepted error with the curve, in units of the sensor's noise.
 const FOLLOWS: f64 = 1.5;
 
 /// A term that the library does not have, as a torque that acts on the body or the wheel.
@@ -95,7 +95,7 @@ fn problem(hidden: Hidden, plans: &[ExperimentPlan], seed: u64) -> FitProblem {
     problem_of(records.collect(), &truth)
 }
 
-/// The largest error of all series over the noise of their sensors.
+/// The largest root mean square error of all series, in units of the noise of their sensors.
 fn worst(records: &[&Record], traces: &[Vec<PredictedSeries>]) -> f64 {
     let pairs = records.iter().zip(traces);
     let ratios = pairs.flat_map(|(record, traces)| {
@@ -111,7 +111,7 @@ fn held_out(problem: &FitProblem, without: usize, model: &Model) -> f64 {
     let record = others.records.remove(without);
     let found = identify(&others, model, None).expect("a fit");
     let (model, values) = (&found.fit.model, found.fit.values.clone());
-    // Only how the log begins is fitted.
+    // Only the start of the log is fitted.
     let fitted = fit_from_scratch(&[&record], model, values, &[], Effort::FULL);
     let traces = traces(&record, &fitted.windows[0], model, &fitted.values);
     worst(&[&record], &[traces])
@@ -123,7 +123,7 @@ fn learns(hidden: Hidden, plans: &[ExperimentPlan], coordinate: LearnedCoordinat
     learns_drawn(hidden, plans, coordinate, unseen, SEED);
 }
 
-/// As [`learns`], with the noise of this seed.
+/// Learns the hidden torque like [`learns`], with the noise of this seed.
 fn learns_drawn(
     hidden: Hidden,
     plans: &[ExperimentPlan],
@@ -201,7 +201,7 @@ fn a_resonance_of_the_wheel_is_learned_over_its_speed() {
     learns(resonance, &plans, LearnedCoordinate::WheelSpeed, 1);
 }
 
-/// A pull over the wheel's angle that no sinusoid is: one narrow bump a period, `per_turn` times a turn.
+/// A torque over the wheel's angle that is not sinusoidal: `per_turn` narrow bumps per turn.
 fn pull(per_turn: f64, peak_nm: f64, width: f64, phase_rad: f64) -> Hidden {
     acting(false, move |at| {
         let z = (per_turn * at.wheel_angle_rad - phase_rad).cos() - 1.0;
@@ -209,7 +209,7 @@ fn pull(per_turn: f64, peak_nm: f64, width: f64, phase_rad: f64) -> Hidden {
     })
 }
 
-/// Four seconds of a square wave, in which the wheel turns to and fro through a few turns.
+/// Four seconds of a square wave of the current, in which the wheel makes a few turns in both directions.
 fn turning(angle_rad: f64, current_a: f64) -> ExperimentPlan {
     ExperimentPlan {
         duration_s: 4.0,
@@ -225,7 +225,7 @@ fn a_pull_at_one_place_of_the_turn_is_learned_over_the_wheels_angle() {
     learns(hidden, &plans, LearnedCoordinate::WheelAngle, 1);
 }
 
-/// On many benches: once or three times a turn, narrow and wide, with spin-ups and without.
+/// Four benches: one to three bumps per turn, narrow and wide, with and without coast-downs.
 #[test]
 #[ignore = "run apart: half a minute on four benches"]
 fn pulls_are_learned_over_the_wheels_angle_on_many_benches() {
@@ -252,8 +252,8 @@ fn pulls_are_learned_over_the_wheels_angle_on_many_benches() {
     }
 }
 
-/// With an encoder on the wheel each log begins where the wheel happened to stand, and the curve is one of the wheel's
-/// own angle.
+/// With an encoder on the wheel, each log may begin at another angle of the wheel; the curve is over the wheel's
+/// absolute angle.
 #[test]
 fn an_encoder_on_the_wheel_says_where_each_log_begins() {
     let encoder_step = std::f64::consts::TAU / 4096.0;

@@ -1,4 +1,4 @@
-//! The exam examined, and the diagnosis by the exam's benches.
+//! Tests of the exam, and of the diagnosis with the exam's benches.
 
 mod cancelled;
 mod cogging;

@@ -1,5 +1,5 @@
-//! Lags and delays of sensors through the whole diagnosis: named where the logs tell them from the motor, a tie with
-//! the experiment that would settle it where they do not.
+//! Lags and delays of sensors through the whole diagnosis. If the logs distinguish them from lags and delays of the
+//! motor, they are named; otherwise the verdict is a tie and names the experiment that would settle it.
 
 use diagnose::{Diagnosis, Options, Verdict, diagnose_with};
 use exam::{ChannelNoise, DriveProgram, ExperimentPlan, Hidden, Truth, record};
@@ -70,7 +70,7 @@ fn clamped() -> Vec<ExperimentPlan> {
     ]
 }
 
-/// With the body clamped a filtered wheel speed is a motor that lags: nobody can know, and both are named.
+/// With the body clamped, a filtered wheel speed and a lag of the motor give the same log: the verdict names both.
 #[test]
 fn a_filtered_wheel_speed_is_no_motor_lag_for_certain() {
     let seed = 411;
@@ -85,7 +85,7 @@ fn a_filtered_wheel_speed_is_no_motor_lag_for_certain() {
     assert!(next.contains("body hanging free"), "{next}");
 }
 
-/// A body that hangs free feels the torque at once: then it is the sensor.
+/// A body that hangs free feels the torque at once and so distinguishes a late sensor from a late motor.
 #[test]
 fn a_free_body_tells_the_sensor_from_the_motor() {
     let seed = 421;

@@ -1,5 +1,5 @@
-//! What must hold of every figure: well-formed XML, every series there, no
-//! value that is not a number, small files, labels intact.
+//! Every figure is well-formed XML and a small file, contains every series, has no coordinates that are not numbers,
+//! and keeps its labels intact.
 
 mod any_numbers;
 mod scales;

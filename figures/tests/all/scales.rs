@@ -21,7 +21,7 @@ fn a_single_slow_pole_is_not_enlarged() {
         });
         svg.contains("enlarged")
     };
-    // The pole at -0.13 alone would fill the panel; beside another slow one it tells something.
+    // A single slow pole at −0.13 would not be enlarged; two slow poles are.
     assert!(!shown(&[(-8.0, 1.0), (-8.0, -1.0), (-7.0, 0.0)]));
     assert!(shown(&[(-8.0, 1.0), (-8.0, -1.0), (-0.4, 0.0)]));
 }

@@ -1,4 +1,4 @@
-//! What bars, steps and files show.
+//! Figures with bars and steps, and the files of figures.
 
 use crate::svg::{parse, series_of, stretches, texts};
 use figures::*;
@@ -87,7 +87,7 @@ fn the_staircase_shows_every_experiment_and_its_last_error() {
         let ratio = format!("{:.1}× → {:.2}×", values[0], values[2]);
         assert!(texts.contains(&ratio), "{ratio} in {texts:?}");
     }
-    // A missing step leaves two lone points, not a line across it.
+    // A missing step leaves two single points; no line crosses the gap.
     let first = stretches(&series_of(&document, "fit")[0]);
     assert!(
         first

@@ -8,7 +8,7 @@ use sensor_drivers::{Fxas21002, Fxos8700};
 use crate::wheel::WheelPart;
 use crate::{Failed, kept};
 
-/// The parts that were begun; `W` is that of the wheel.
+/// The parts that have been started; `W` is the part of the wheel.
 pub struct InertialBench<B, D, W> {
     bus: B,
     delay: D,
@@ -20,7 +20,7 @@ pub struct InertialBench<B, D, W> {
 }
 
 impl<B: I2c, D: DelayNs, W: WheelPart> InertialBench<B, D, W> {
-    /// Begins the parts that answer.
+    /// Starts the parts that answer.
     pub fn new(bus: B, delay: D) -> Self {
         let mut bench = InertialBench {
             bus,
@@ -35,12 +35,12 @@ impl<B: I2c, D: DelayNs, W: WheelPart> InertialBench<B, D, W> {
         bench
     }
 
-    /// Whether all parts were begun and none has failed since.
+    /// Whether all parts have been started and none has failed since.
     pub fn is_complete(&self) -> bool {
         self.gyro.is_some() && self.accel.is_some() && self.wheel.is_some()
     }
 
-    /// Begins the parts that are missing; takes up to 62 ms.
+    /// Starts the parts that are missing; takes up to 62 ms.
     pub fn begin(&mut self) {
         if self.gyro.is_none() {
             self.gyro = Fxas21002::new(&mut self.bus, &mut self.delay).ok();
@@ -57,8 +57,8 @@ impl<B: I2c, D: DelayNs, W: WheelPart> InertialBench<B, D, W> {
 impl<B: I2c, D: DelayNs, W: WheelPart> Sensors for InertialBench<B, D, W> {
     type Error = Failed;
 
-    /// Gyroscope and wheel in each step, accelerometer and field in every other: they have 400 new readings a
-    /// second, and 13 bytes at 400 kHz take a third of a step.
+    /// Reads gyroscope and wheel in each step, accelerometer and magnetometer in every other step. The latter two have
+    /// 400 new readings per second, and their 13 bytes take a third of a step at 400 kHz.
     fn read(&mut self) -> Result<Reading, Failed> {
         let bus = &mut self.bus;
         self.last.gyro = kept(&mut self.gyro, |part| part.read(bus))?;

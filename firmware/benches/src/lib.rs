@@ -1,13 +1,13 @@
-//! The sensors of a bench on one bus: which parts there are, and what the loop reads of them in a step.
+//! The sensors of a bench on one bus: the parts, and the readings that the loop takes from them in a step.
 //!
 //! | bench | body | wheel |
 //! |---|---|---|
 //! | [`InertialBench`] | FXAS21002 and FXOS8700, as in the thesis | a [`WheelPart`] |
 //! | [`PivotBench`] | AS5600 on the pivot | a [`WheelPart`] |
 //!
-//! `[hardware]` in bench.toml must say the same. For other parts copy one of the two files.
+//! `[hardware]` in bench.toml must name the same parts. For other parts copy one of the two files.
 //!
-//! A part that fails counts as missing: the loop is told of a fault, and the part is begun again while nothing is
+//! A part that fails counts as missing: the loop receives a fault, and the part is started again while the motor is not
 //! driven.
 #![no_std]
 
@@ -19,11 +19,11 @@ pub use inertial::InertialBench;
 pub use pivot::PivotBench;
 pub use wheel::{WheelPart, YourWheel};
 
-/// A part is missing, or failed just now.
+/// A part is missing, or has failed in this step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Failed;
 
-/// Reads a part. A part that fails counts as missing until it is begun again.
+/// Reads a part. A part that fails counts as missing until it is started again.
 fn kept<P, T, E>(
     part: &mut Option<P>,
     read: impl FnOnce(&mut P) -> Result<T, E>,

@@ -1,7 +1,7 @@
 //! A bench with an encoder on the pivot: AS5600, and a part for the wheel.
 //!
-//! An AS5600 that stands still cannot be told from a body at rest by its counts: the emitted module notices it by the
-//! current that should have moved the body. A magnet that is gone or wrong the part itself tells.
+//! The counts of an AS5600 that is stuck are those of a body at rest. The emitted module notices a stuck encoder by a
+//! current that should have moved the body. The part itself reports a magnet that is missing, too weak or too strong.
 
 use embedded_hal::i2c::I2c;
 use loop_core::{Reading, Sensors};
@@ -10,7 +10,7 @@ use sensor_drivers::As5600;
 use crate::wheel::WheelPart;
 use crate::{Failed, kept};
 
-/// The parts that were begun; `W` is that of the wheel.
+/// The parts that have been started; `W` is the part of the wheel.
 pub struct PivotBench<B, W> {
     bus: B,
     body: Option<As5600>,
@@ -18,7 +18,7 @@ pub struct PivotBench<B, W> {
 }
 
 impl<B: I2c, W: WheelPart> PivotBench<B, W> {
-    /// Begins the parts that answer.
+    /// Starts the parts that answer.
     pub fn new(bus: B) -> Self {
         let mut bench = PivotBench {
             bus,
@@ -29,12 +29,12 @@ impl<B: I2c, W: WheelPart> PivotBench<B, W> {
         bench
     }
 
-    /// Whether all parts were begun and none has failed since.
+    /// Whether all parts have been started and none has failed since.
     pub fn is_complete(&self) -> bool {
         self.body.is_some() && self.wheel.is_some()
     }
 
-    /// Begins the parts that are missing; takes less than 1 ms.
+    /// Starts the parts that are missing; takes less than 1 ms.
     pub fn begin(&mut self) {
         if self.body.is_none() {
             self.body = As5600::new(&mut self.bus).ok();
@@ -48,7 +48,8 @@ impl<B: I2c, W: WheelPart> PivotBench<B, W> {
 impl<B: I2c, W: WheelPart> Sensors for PivotBench<B, W> {
     type Error = Failed;
 
-    /// Both parts in each step: some 120 µs each at 400 kHz, and as much again in one of 64 for the magnet.
+    /// Reads both parts in each step: about 120 µs each at 400 kHz. In one of 64 steps, the check of the magnet takes
+    /// as long again.
     fn read(&mut self) -> Result<Reading, Failed> {
         let bus = &mut self.bus;
         Ok(Reading {

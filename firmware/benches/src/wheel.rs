@@ -3,18 +3,18 @@
 use embedded_hal::i2c::I2c;
 use sensor_drivers::{Ads1015, As5600, Error};
 
-/// A part that shows the wheel.
+/// A part that measures the wheel's speed or angle.
 pub trait WheelPart: Sized {
-    /// Begins the part.
+    /// Starts the part.
     ///
     /// # Errors
-    /// No such part answers.
+    /// If no such part answers.
     fn begin<B: I2c>(bus: &mut B) -> Result<Self, Error<B::Error>>;
 
     /// The latest reading: counts of a converter or an encoder, or a driver's signed speed as its bits.
     ///
     /// # Errors
-    /// The part failed.
+    /// If the part has failed.
     fn read<B: I2c>(&mut self, bus: &mut B) -> Result<u16, Error<B::Error>>;
 }
 

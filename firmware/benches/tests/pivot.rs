@@ -1,5 +1,5 @@
-//! A bench with an AS5600 on the pivot and an ADS1015 for the wheel, on a bus that answers as the data sheets say, that
-//! fails, whose magnet is wrong, or where another part answers.
+//! A bench with an AS5600 on the pivot and an ADS1015 for the wheel. The simulated bus answers according to the data
+//! sheets, fails, reports a wrong magnet, or has another part at the address.
 
 use bench_sensors::{Failed, PivotBench, YourWheel};
 use embedded_hal::i2c::{ErrorKind, NoAcknowledgeSource};
@@ -13,7 +13,7 @@ const STATUS: u8 = 0x0b;
 const RAW_ANGLE: u8 = 0x0c;
 /// STATUS of a magnet of the right strength.
 const MAGNET: u8 = 0x20;
-/// Readings of the angle between two looks at the magnet.
+/// Number of readings of the angle between two checks of the magnet.
 const CHECK_EVERY: usize = 64;
 
 fn asked(address: u8, register: u8, answer: &[u8]) -> Transaction {

@@ -8,12 +8,12 @@
 //! ```
 //!
 //! # What keeps the motor still
-//! - The emitted controller: it drives only when it was armed, near upright, at rest, with sound sensors,
-//!   and trips by itself.
-//! - A tick that comes too late, a sensor that fails, a timer that fails: [`Controller::fault`].
-//! - An order is good for its lease only: a line that falls silent disarms.
-//! - A trip stays until an order with a new number comes. A controller that tripped is then begun anew,
-//!   finds its attitude anew, and is armed at most once for that order.
+//! - The emitted controller drives the motor only after it was armed: near upright, at rest, with sound sensors. It
+//!   trips by itself.
+//! - The loop calls [`Controller::fault`] after a tick that comes too late, and if a sensor or the timer fails.
+//! - An order is valid only for its lease: if the line falls silent, the controller is disarmed.
+//! - A trip stays until an order with a new number comes. The controller is then restarted, finds its attitude again,
+//!   and is armed at most once for that order.
 #![no_std]
 
 mod orders;
@@ -31,7 +31,7 @@ pub use reading::{Reading, Sensors};
 /// with another range gets the same share of its range.
 pub const DUTY_BITS: u32 = 16;
 
-/// Why a tick was no good.
+/// The reason why a tick failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// The tick came more than half a sample time late, so that the law's sample time does not hold.
@@ -48,7 +48,7 @@ pub struct Tick {
     /// The frame for the serial line, if one is due. If the line has no room, the whole frame is dropped; the receiver
     /// notices the gap in the sequence.
     pub frame: Option<Frame>,
-    /// The controller was told of it.
+    /// The fault of this tick, which the controller has received; `None` if there was none.
     pub fault: Option<Fault>,
 }
 
@@ -132,7 +132,8 @@ impl LoopCore {
         last.is_some_and(|last| now_us.wrapping_sub(last) > SAMPLE_TIME_US + SAMPLE_TIME_US / 2)
     }
 
-    /// Does what the orders say of arming.
+    /// Follows the orders: restarts a tripped controller for a new order, arms it for a task that needs the motor, or
+    /// disarms it.
     fn follow(&mut self, now_us: u32) {
         self.orders.expire(now_us);
         if self.orders.takes_new() && is_tripped(self.controller.status()) {
@@ -156,7 +157,7 @@ impl LoopCore {
         }
     }
 
-    /// The frame of this step, where one is due.
+    /// The frame of this step, if one is due.
     fn frame(&mut self, now_us: u32, duty: Duty) -> Option<Frame> {
         let sequence = self.sequence;
         self.sequence = sequence.wrapping_add(1);
@@ -192,7 +193,7 @@ fn is_tripped(status: Status) -> bool {
     !matches!(status, Status::NotAligned | Status::Ready | Status::Running)
 }
 
-/// A duty as the same share of a timer whose largest duty is `most`.
+/// The duty for a timer whose largest duty is `most`, with the same share of the range.
 fn scaled(duty: Duty, most: u16) -> u16 {
     let share = (u32::from(duty.0) * (u32::from(most) + 1)) >> DUTY_BITS;
     share.min(u32::from(most)) as u16

@@ -7,11 +7,11 @@ use serial_frame::{Command, Task};
 #[derive(Clone, Debug)]
 pub struct Orders {
     command: Command,
-    /// When the command came, µs.
+    /// Time at which the command came, µs.
     came_us: u32,
-    /// The command has a new number, and nobody has asked for it yet.
+    /// Whether the command has a new number that [`Orders::takes_new`] has not reported yet.
     is_new: bool,
-    /// The controller was armed for this command and must not be armed again.
+    /// Whether the controller was armed for this command; it must not be armed again.
     was_armed: bool,
     /// Word of the current that the command asks for.
     current_word: i32,
@@ -37,7 +37,7 @@ impl Orders {
         }
     }
 
-    /// Takes an order.
+    /// Replaces the order in force by this one.
     pub fn take(&mut self, command: Command, now_us: u32) {
         if command.wish != self.command.wish {
             self.is_new = true;

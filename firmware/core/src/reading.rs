@@ -29,12 +29,12 @@ impl Reading {
 
 /// The sensors of a board.
 pub trait Sensors {
-    /// Why there is no reading.
+    /// The reason why there is no reading.
     type Error;
 
     /// The latest reading of all sensors.
     ///
     /// # Errors
-    /// A sensor that failed; the controller is told of a fault.
+    /// If a sensor has failed; the controller then receives a fault.
     fn read(&mut self) -> Result<Reading, Self::Error>;
 }

@@ -72,7 +72,7 @@ impl WheelSpeed {
         }
     }
 
-    /// Takes a reading: one a step.
+    /// Receives a reading; to be called once in each step.
     pub(crate) fn take(&mut self, reading: &Reading) {
         #[cfg(feature = "wheel-encoder")]
         self.encoder.update(reading.wheel, &WHEEL_ENCODER);

@@ -37,11 +37,11 @@ impl Sensors for Upright {
     }
 }
 
-/// What the accelerometer of the thesis' bench says upright: 1 g along the body's x.
+/// The accelerometer's reading on the thesis bench upright, counts: 1 g along the body's x.
 const UP: [i16; 3] = [4096, 0, 0];
 /// `zero` of the benches with an encoder on the pivot.
 const UPRIGHT: u16 = 773;
-/// No speed on the thesis' converter, 6594.5/8.53108; an encoder's count that stands still.
+/// The count of a wheel at rest: 6594.5/8.53108 on the converter of the thesis, any constant count of an encoder.
 #[cfg(not(feature = "wheel-driver"))]
 const WHEEL_AT_REST: u16 = 773;
 #[cfg(feature = "wheel-driver")]
@@ -124,7 +124,7 @@ impl Bench {
         self.order(task, 60_000);
     }
 
-    /// Aligned and driven.
+    /// A bench whose controller has found its attitude and drives the motor.
     fn driven() -> Bench {
         let mut bench = Bench::default();
         bench.run(600);
@@ -274,7 +274,7 @@ fn a_sensor_that_fails_trips_until_a_new_order_and_the_attitude_is_found_anew() 
 fn a_frozen_sensor_of_the_body_trips() {
     let mut bench = Bench::driven();
     bench.sensors.is_frozen = true;
-    // More than half of the limit is left over, so that a body that is free to turn does.
+    // The current exceeds the current against gravity by more than half of the limit, which moves a body that is free.
     let task = Task::Drive {
         current_ua: 1_500_000,
     };
@@ -328,7 +328,7 @@ fn every_step_has_its_number_and_its_words() {
         let counted_rad = f64::from(count - UPRIGHT) * count_rad;
         assert!((angle_rad - counted_rad).abs() < 1e-6, "{angle_rad}");
     }
-    // Every fifth step.
+    // From now on, a telemetry frame every five steps.
     let before = bench.sent.len();
     let command = Command {
         task: Task::Watch,

@@ -26,7 +26,7 @@ impl Ads1015 {
     /// Starts the part and reads its setting back, because the part has no identity register.
     ///
     /// # Errors
-    /// [`Error::Bus`], [`Error::WrongDevice`] where something else is at its address.
+    /// [`Error::Bus`]; [`Error::WrongDevice`] if another part is at the address.
     pub fn new<B: I2c>(bus: &mut B) -> Result<Self, Error<B::Error>> {
         let [high, low] = SETTING.to_be_bytes();
         bus.write(ADDRESS, &[CONFIG, high, low])?;
@@ -44,7 +44,7 @@ impl Ads1015 {
     /// The latest reading in counts of 2 mV. A voltage below ground reads as 0.
     ///
     /// # Errors
-    /// [`Error::Bus`]; [`Error::Stuck`] where the part has lost its setting, seen within 64 readings.
+    /// [`Error::Bus`]; [`Error::Stuck`] if the part has lost its setting, which is noticed within 64 readings.
     pub fn read<B: I2c>(&mut self, bus: &mut B) -> Result<u16, Error<B::Error>> {
         self.since_check += 1;
         if self.since_check >= CHECK_EVERY {

@@ -11,7 +11,7 @@ const RAW_ANGLE: u8 = 0x0c;
 const MAGNET: u8 = 0x20;
 const WRONG_MAGNET: u8 = 0x18;
 const NEVER: u8 = 0xc7;
-/// Readings between two looks at the magnet.
+/// Number of readings between two checks of the magnet.
 const CHECK_EVERY: u8 = 64;
 
 /// The encoder.
@@ -21,8 +21,8 @@ pub struct As5600 {
 }
 
 impl As5600 {
-    /// Looks whether there is a magnet of the right strength. The part has no identity: what its status
-    /// register cannot say is another part's.
+    /// Checks that there is a magnet of the right strength. The part has no identity register; a status that an AS5600
+    /// cannot have shows that another part answers.
     ///
     /// # Errors
     /// [`Error::Bus`], [`Error::WrongDevice`], [`Error::Magnet`].
@@ -31,10 +31,10 @@ impl As5600 {
         Ok(As5600 { since_check: 0 })
     }
 
-    /// The angle, 4096 counts to the turn.
+    /// The angle, 4096 counts per turn.
     ///
     /// # Errors
-    /// [`Error::Bus`]; [`Error::Magnet`], seen within 64 readings.
+    /// [`Error::Bus`]; [`Error::Magnet`], which is noticed within 64 readings.
     pub fn read<B: I2c>(&mut self, bus: &mut B) -> Result<u16, Error<B::Error>> {
         self.since_check += 1;
         if self.since_check >= CHECK_EVERY {

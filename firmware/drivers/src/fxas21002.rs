@@ -33,7 +33,7 @@ impl Fxas21002 {
     pub fn new<B: I2c>(bus: &mut B, delay: &mut impl DelayNs) -> Result<Self, Error<B::Error>> {
         identify(bus, ADDRESS, WHO_AM_I, IDENTITY)?;
         let registers = [
-            // Standby: the range is taken over only there.
+            // Standby, because the range can be set only there.
             (CTRL_REG1, 0x00),
             // FS = 0: ±2000 °/s, 62.5 m°/s per count; low-pass filter at its widest.
             (CTRL_REG0, 0x00),

@@ -30,7 +30,7 @@ pub struct Fxos8700 {
 pub struct AccelAndField {
     /// Specific force x y z as the 16-bit word stands in the registers, 4096 to the g.
     pub accel: [i16; 3],
-    /// Field x y z, counts of 0.1 µT; `None` where it was given before.
+    /// Field x y z, counts of 0.1 µT; `None` if this reading was returned before.
     pub mag: Option<[i16; 3]>,
 }
 
@@ -42,7 +42,7 @@ impl Fxos8700 {
     pub fn new<B: I2c>(bus: &mut B) -> Result<Self, Error<B::Error>> {
         identify(bus, ADDRESS, WHO_AM_I, IDENTITY)?;
         let registers = [
-            // Standby: the others are taken over only there.
+            // Standby, because the other registers can be set only there.
             (CTRL_REG1, 0x00),
             // FS = 2: ±8 g.
             (XYZ_DATA_CFG, 0x02),

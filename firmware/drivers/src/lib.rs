@@ -1,5 +1,5 @@
-//! Drivers of the bench's sensors on embedded-hal 1.0: raw counts as the emitted module takes them, in the
-//! setting that the presets of `[hardware]` are for. `no_std`, no heap.
+//! Drivers of the bench's sensors on embedded-hal 1.0. They return the raw counts that the emitted module takes, with
+//! the setting for which the presets of `[hardware]` hold. `no_std`, no heap.
 //!
 //! | part | driver | gives | setting |
 //! |---|---|---|---|
@@ -9,9 +9,9 @@
 //! | ADS1015 | [`Ads1015`] | voltage of the wheel's speed | input 0, ±4.096 V, 3300 a second |
 //! | AS5600 | [`As5600`] | angle of a magnet | RAW ANGLE, 12 bits |
 //!
-//! Each is begun with `new`, which compares the part's identity and writes its registers; `read` is one
-//! transfer on the bus. A part that gives no new reading for [`STALE_MAX`] calls is [`Error::Stuck`]:
-//! its words would go on looking like a body at rest.
+//! `new` starts a part: it compares the identity and writes the registers. `read` is one transfer on the bus. A part
+//! that gives no new reading for [`STALE_MAX`] calls is [`Error::Stuck`], because its unchanged words would look like
+//! those of a body at rest.
 #![no_std]
 
 mod ads1015;
@@ -29,10 +29,10 @@ pub use fxas21002::Fxas21002;
 pub use fxos8700::{AccelAndField, Fxos8700};
 pub use mpu6050::{GyroAndAccel, Mpu6050};
 
-/// Why there is no reading.
+/// The reason why there is no reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Error<E> {
-    /// The bus failed: nobody answers at the address, or a line hangs.
+    /// The bus failed: no part answers at the address, or a line hangs.
     Bus(E),
     /// Another part answers.
     WrongDevice {

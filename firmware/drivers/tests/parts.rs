@@ -1,5 +1,5 @@
-//! Each driver against a bus that answers as its data sheet says, one that fails, another part at the
-//! address, and a part that does not measure any more.
+//! Each driver on a simulated bus that answers according to the data sheet, that fails, that has another part at the
+//! address, or whose part gives no new readings.
 
 use embedded_hal::i2c::{ErrorKind, NoAcknowledgeSource};
 use embedded_hal_mock::eh1::delay::NoopDelay;

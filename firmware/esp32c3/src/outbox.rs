@@ -1,6 +1,6 @@
 //! Frames that wait for the line. A frame for which there is no room is dropped whole.
 
-/// Eleven frames: as many steps the line may pause.
+/// Room for eleven frames: the line may pause for eleven steps.
 const BYTES: usize = 512;
 
 /// A ring of bytes.
@@ -11,7 +11,7 @@ pub struct Outbox {
 }
 
 impl Outbox {
-    /// Nothing waits.
+    /// An empty ring.
     pub const fn new() -> Self {
         Outbox {
             bytes: [0; BYTES],
@@ -41,7 +41,7 @@ impl Outbox {
             .flatten()
     }
 
-    /// The line took it.
+    /// Removes the first byte, which the line has taken.
     pub fn took_first(&mut self) {
         if self.length > 0 {
             self.first = (self.first + 1) % BYTES;

@@ -27,7 +27,7 @@ use embedded_hal::pwm::{ErrorType, SetDutyCycle};
 use loop_core::{LoopCore, Reading, Sensors};
 use serial_frame::NO_FIELD;
 
-/// What the other program says of the sensors.
+/// The readings that the other program states; `None` if the bus fails.
 struct Told(Option<Reading>);
 
 impl Sensors for Told {

@@ -72,7 +72,7 @@ macro_rules! effects {
                 }
             }
 
-            /// [`Effect::unbalance`]; `None` for whatever is none.
+            /// [`Effect::unbalance`]; `None` if the effect is no unbalance of the wheel.
             #[inline(always)]
             pub(crate) fn unbalance<S: Scalar>(self, p: &[S], at: &Instant<S>) -> Option<Unbalance<S>> {
                 match self {
@@ -126,7 +126,8 @@ macro_rules! effects {
                 match self {
                     $(EffectId::$effect => $module::$effect::distort(p, reading),)*
                     EffectId::External(external) => external.distort(p, reading),
-                    // Its library effect acts, with the parameter of one log.
+                    // In each log, the library effect behind this one is evaluated with the parameter of that log
+                    // ([`crate::Plant::for_log`]).
                     EffectId::PerLog(_) => {}
                 }
             }

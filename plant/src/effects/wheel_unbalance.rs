@@ -6,10 +6,11 @@ use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
 /// p [g sin(α + χ) + …] with χ = φ + ψ, from the Lagrangian of a mass that turns with the wheel at a distance from its
-/// axis; p is mass times distance, k the way from the pivot to the axis.
+/// axis; p is mass times distance in kg m, k the distance from the pivot to the axis in m.
 ///
-/// Height and speed of such a mass are −k cos α − r cos(α + χ) and that of k (cos, sin) at α plus r at α + χ; what is
-/// quadratic in r is inertia of the wheel and stands in j_w.
+/// A mass at the distance r from the axis has the height −k cos α − r cos(α + χ) above the pivot. Its velocity is the
+/// sum of k α̇ perpendicular to the direction α and r (α̇ + φ̇) perpendicular to the direction α + χ. The terms with
+/// r² are part of the wheel's inertia j_w.
 #[derive(Clone, Copy, Debug)]
 pub struct WheelUnbalance;
 

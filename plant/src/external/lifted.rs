@@ -87,7 +87,7 @@ fn of_instant<S: Scalar>(at: &Instant<S>, partials: &Partials, add: &mut Pair<S>
     add(at.current_a, partials.at.current_a);
 }
 
-// Not inlined, so that built-in effects have no cost from them.
+// These functions are not inlined, so that they do not slow down the built-in effects.
 impl External {
     /// [`crate::effect::Effect::torque`].
     #[inline(never)]

@@ -22,15 +22,15 @@ use adapted::Adapted;
 /// the effect is called; the effect writes those that are not.
 #[derive(Debug)]
 pub struct Partials<'a> {
-    /// With respect to the members of the instant.
+    /// Derivatives with respect to the members of the instant.
     pub at: Instant<f64>,
-    /// With respect to the current in A.
+    /// Derivative with respect to the current in A.
     pub current_a: f64,
-    /// With respect to the torque constant in N m/A.
+    /// Derivative with respect to the torque constant in N m/A.
     pub torque_constant: f64,
-    /// With respect to the members of the reading.
+    /// Derivatives with respect to the members of the reading.
     pub reading: Reading<f64>,
-    /// With respect to each parameter.
+    /// Derivatives with respect to the parameters.
     pub p: &'a mut [f64],
 }
 
@@ -65,8 +65,8 @@ pub trait ExternalEffect: Send + Sync {
         current_a
     }
 
-    /// The reading of the sensor that the effect distorts ([`EffectInfo::senses`]), from the undistorted readings of all
-    /// sensors (role `Sensor`).
+    /// The reading of the sensor that the effect distorts ([`EffectInfo::senses`]), from the undistorted readings of
+    /// all sensors (role `Sensor`).
     fn measured(
         &self,
         _p: &[f64],
@@ -101,7 +101,7 @@ impl Definition {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ExternalError {
     /// The library has an effect of this name.
-    #[error("the library already has an effect called {name}")]
+    #[error("the library already has an effect called {name}; choose another name")]
     NameTaken {
         /// The name.
         name: String,
@@ -111,7 +111,7 @@ pub enum ExternalError {
     Incomplete {
         /// The name.
         name: String,
-        /// What is wrong.
+        /// The mistake, in words.
         what: &'static str,
     },
 }
@@ -206,7 +206,7 @@ impl EffectId {
     /// An external effect from a type that implements the ordinary [`Effect`], in any crate.
     ///
     /// # Errors
-    /// As [`EffectId::external`].
+    /// If the library has an effect with this name, or the description is not valid.
     pub fn of<E: Effect + Send + Sync + 'static>() -> Result<EffectId, ExternalError> {
         EffectId::external(type_name::<E>(), Definition::of::<E>)
     }

@@ -192,7 +192,7 @@ impl Structure {
                 term.effect.torque(p, &instant, &self.smoothing)
             };
             stiffness += match term.effect.info().learned {
-                // A curve may be flat here and steep elsewhere.
+                // A learned curve may be flat at the hanging position and steep elsewhere: its steepest slope counts.
                 Some(curve) if curve.coordinate == LearnedCoordinate::Angle => {
                     curve.spline.steepest(&values[term.own()])
                 }
@@ -259,7 +259,7 @@ impl Structure {
                 };
             step = step.min(STEP_TIME_CONSTANTS / (slope * inverse).max(1e-9));
         }
-        // Only parameters that are not physical would require a step below a microsecond.
+        // Only unphysical parameters would require a step below a microsecond.
         step.max(1e-6)
     }
 }

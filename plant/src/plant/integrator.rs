@@ -33,7 +33,7 @@ impl<S: Scalar> Drive<S> {
 /// The current during a run, commanded or measured.
 #[derive(Clone, Copy, Debug)]
 pub enum Current<'a, S> {
-    /// As recorded.
+    /// The current that the log records.
     Recorded(&'a Input),
     /// Constant at this value in A; for logs whose current was not recorded.
     Held(S),
@@ -58,8 +58,9 @@ const RIPPLE_STEP_RAD: f64 = 1.0;
 const RIPPLE_MOST_PARTS: f64 = 8.0;
 
 impl<S: Scalar> Plant<S> {
-    /// The change of the cogging's phase in a step of `step_s` seconds, rad; `None` if that is too fast to be resolved. A
-    /// faster ripple averages out; its amplitude in speed (below a/(j_w n φ̇)) is far below any sensor's noise.
+    /// The change of the cogging's phase in a step of `step_s` seconds, rad; `None` if that is too fast to be
+    /// resolved. A faster ripple averages out; its amplitude in speed (below a/(j_w n φ̇)) is far below any sensor's
+    /// noise.
     fn ripples(&self, wheel_speed_rad_s: f64, step_s: f64) -> Option<f64> {
         let order = self.structure.ripple_order?;
         let phase = (order * wheel_speed_rad_s * step_s).abs();
@@ -142,18 +143,19 @@ impl<S: Scalar> Plant<S> {
         state
     }
 
-    /// The equal parts that a step of this length asks for, cogging apart.
+    /// The number of equal steps into which accuracy and stability divide an interval of `step_s` seconds, without
+    /// regard to cogging.
     pub(super) fn parts(&self, step_s: f64) -> usize {
         let parts = step_s / self.structure.longest_step_s;
         parts.ceil().clamp(1.0, MOST_PARTS) as usize
     }
 
-    /// One step as it is, forwards or backwards.
+    /// One Runge–Kutta step over the whole of `step_s` seconds, backwards in time if `step_s` is negative.
     pub(super) fn single_step(&self, start: &State<S>, drive: &Drive<S>, step_s: f64) -> State<S> {
         self.rk4(start, drive, step_s, self.has_ripple(start, step_s))
     }
 
-    /// Whether cogging acts in a step of this length from here.
+    /// Whether cogging acts in a step of `step_s` seconds from `start`; false if it is too fast to be resolved there.
     pub(super) fn has_ripple(&self, start: &State<S>, step_s: f64) -> bool {
         let ripple = self.ripples(start.wheel_speed_rad_s.value(), step_s);
         self.structure.ripple_order.is_none() || ripple.is_some()
@@ -184,10 +186,10 @@ impl<S: Scalar> Plant<S> {
     /// Runs from `start` at `time_s[first]` to `time_s[last]` under the recorded current and calls
     /// `each` with the index, the reading and the state at every sample, both ends included.
     ///
-    /// A run from the first sample takes the current of the start as the command from before the log, for as long as a delay
-    /// or a lag remembers it. Any other run assumes that the first command was already held before the log. `push` gives
-    /// the torque on the body in N m at a time in s. A thinned log has several samples of the current between two of its
-    /// samples; the mean of the motor's response to them drives that interval.
+    /// A run from the first sample takes the current of the start as the command from before the log, for as long as a
+    /// delay or a lag remembers it. Any other run assumes that the first command was already held before the log.
+    /// `push` gives the torque on the body in N m at a time in s. A thinned log has several samples of the current
+    /// between two of its samples; the mean of the motor's response to them drives that interval.
     pub fn run(
         &self,
         start: State<S>,

@@ -85,7 +85,7 @@ impl<S: Scalar> Plant<S> {
         Plant::smoothed(model, values, kind, Smoothing::SIMULATION)
     }
 
-    /// As [`Plant::new`], with another smoothing of dry friction.
+    /// Builds the plant like [`Plant::new`], with this smoothing of dry friction instead of [`Smoothing::SIMULATION`].
     pub fn smoothed(model: &Model, values: &[S], kind: Kind, smoothing: Smoothing) -> Plant<S> {
         let one = S::constant(1.0);
         let body_inertia = match kind {
@@ -229,8 +229,8 @@ impl<S: Scalar> Plant<S> {
         self.accelerations(&mut at, state.friction_torque, current_a, push, true)
     }
 
-    /// The torque in N m of the friction with memory, after the body has moved by `displacement_rad` in one direction since
-    /// the torque was `memory`; unchanged in a model without such friction.
+    /// The torque in N m of the friction with memory, after the body has moved by `displacement_rad` in one direction
+    /// since the torque was `memory`; unchanged in a model without such friction.
     #[inline(always)]
     pub fn remember(&self, memory: S, displacement_rad: S) -> S {
         match &self.structure.memory {

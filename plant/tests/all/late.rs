@@ -1,4 +1,4 @@
-//! Sensors that follow with a lag, or come late.
+//! Sensors with a lag or a delay.
 
 use plant::{Current, EffectId, Hold, Input, Kind, Model, Plant, Reading, State};
 
@@ -17,7 +17,7 @@ fn with(effects: &[(EffectId, f64)]) -> (Model, Vec<f64>) {
     (model, values)
 }
 
-/// What the sensors say over these samples, and the states.
+/// The readings of the sensors at these samples, and the states.
 fn run(
     plant: &Plant<f64>,
     start: State<f64>,
@@ -59,7 +59,7 @@ fn a_lag_answers_a_coast_down_in_closed_form() {
         let (readings, _) = run(&plant, start, &time_s, 0..200, Current::Held(0.0));
         let coast_s = VALUES[1] / VALUES[5];
         for (t, reading) in time_s.iter().zip(readings) {
-            // The two exponentials with y(0) = v(0).
+            // The closed form above for c = `coast_s` and T = `lag_s`.
             let own = coast_s / (coast_s - lag_s);
             let expected = 200.0 * (own * (-t / coast_s).exp() + (1.0 - own) * (-t / lag_s).exp());
             let error = (reading.wheel_speed_rad_s - expected).abs();
@@ -68,7 +68,8 @@ fn a_lag_answers_a_coast_down_in_closed_form() {
     }
 }
 
-/// What is late is what was said a delay ago; before the first sample everything stood still, or moved on.
+/// A delayed reading is the reading one delay earlier. Before the first sample everything stood still, or moved as the
+/// model predicts ([`Plant::with_motion_before`]).
 #[test]
 fn a_delay_is_the_motion_of_a_while_ago() {
     let delay_s = 0.0437;
@@ -82,7 +83,7 @@ fn a_delay_is_the_motion_of_a_while_ago() {
     let time_s = times(0.01, 400);
     let plant = Plant::new(&model, &values, Kind::FreeSwing);
     let (late, _) = run(&plant, start, &time_s, 0..400, Current::Held(0.0));
-    // The same motion, looked at a delay earlier.
+    // The same motion, read one delay earlier without a delay.
     let asked: Vec<f64> = time_s
         .iter()
         .map(|t| t - delay_s)
@@ -107,7 +108,7 @@ fn a_delay_is_the_motion_of_a_while_ago() {
             "{k}"
         );
     }
-    // A motion that was there before continues backwards without a jump.
+    // With the motion before the log, the reading at the first sample is the angle one delay earlier.
     let moved = plant.with_motion_before(1.0);
     let (late, _) = run(&moved, start, &time_s, 0..400, Current::Held(0.0));
     let first = late[0].angle_rad - (0.7 + delay_s);
@@ -115,7 +116,7 @@ fn a_delay_is_the_motion_of_a_while_ago() {
     assert!((first + curved).abs() < 1e-3, "{first} {curved}");
 }
 
-/// A window in the middle of a log says what the whole log says there: it follows its motion back.
+/// A run over a window in the middle of a log gives the readings of the whole log: it integrates its motion backwards.
 #[test]
 fn a_window_knows_its_past() {
     let effects = [
@@ -161,8 +162,8 @@ fn a_window_knows_its_past() {
     }
 }
 
-/// In a spin-up a wheel speed that comes late is a command that comes late: one function of the log. Behind a
-/// viscous friction a lag of the sensor is a lag of the motor.
+/// In a spin-up, a delay of the wheel speed and a delay of the command give the same log. With viscous friction alone,
+/// so do a lag of the sensor and a lag of the motor.
 #[test]
 fn the_sensor_and_the_motor_are_one_function_of_a_spin_up() {
     let time_s = times(0.005, 600);
@@ -191,7 +192,7 @@ fn the_sensor_and_the_motor_are_one_function_of_a_spin_up() {
     }
 }
 
-/// The middle of the circle that the reading describes is the true angle less e sin(α + ψ).
+/// The reading of an eccentric encoder is α + e sin(α + ψ).
 #[test]
 fn an_eccentric_encoder_runs_ahead_once_a_turn() {
     let model = Model::base().with(EffectId::AngleEccentricity);

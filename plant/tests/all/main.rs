@@ -1,4 +1,4 @@
-//! The plant through its public face.
+//! Tests of the public interface of the crate.
 
 mod late;
 mod motion;

@@ -29,8 +29,8 @@ fn a_swing_without_friction_has_the_period_of_the_elliptic_integral_and_keeps_it
 
 #[test]
 fn a_locked_swing_is_the_free_one_with_an_infinitely_sluggish_wheel() {
-    // With the wheel locked Θ counts; with it free and frictionless the wheel keeps its absolute
-    // speed, so that only Θ − j_w swings.
+    // With a locked wheel, the inertia of the swing is Θ. A free wheel without friction keeps its absolute speed, so
+    // that the inertia of the swing is Θ − j_w.
     let values = [VALUES[0], VALUES[1], VALUES[2], VALUES[3], 0.0, 0.0];
     let free = Plant::new(&Model::base(), &values, Kind::Driven);
     let end = swing(&free, 0.4, 1e-3, 1000)[1000];
@@ -98,7 +98,7 @@ fn presliding_friction_starts_as_a_spring_and_ends_as_dry_friction() {
     assert!((twice - plant.remember(1e-4, 0.02)).abs() < 1e-15);
 }
 
-/// Where an effect says that it is the one which it replaces, it is.
+/// With the parameters of its stated limit, an effect has the torque of the effect that it replaces.
 #[test]
 fn the_limit_of_a_refinement_is_what_it_refines() {
     let refinements = EffectId::ALL

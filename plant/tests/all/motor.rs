@@ -1,11 +1,11 @@
-//! The motor chain: delay, lag, static stages, and logs that are read more sparsely than their current.
+//! The motor chain: delay, lag, static stages, and thinned logs, which have fewer samples than their current.
 
 use plant::{Current, EffectId, Hold, Input, Kind, Model, Plant, State};
 
 use crate::VALUES;
 
-/// A command that alternates across a dead zone of 0.03 A: its mean of 0.01 A alone would drive nothing,
-/// every second sample passes 0.02 A.
+/// A command that alternates across a dead zone of 0.03 A. The mean command of 0.01 A lies within the dead zone, but
+/// the samples of 0.05 A and −0.03 A pass 0.02 A and 0 A: the mean current is 0.01 A.
 #[test]
 fn each_sample_of_the_command_passes_the_motor_also_where_the_log_is_thinned() {
     let model = Model::base().with(EffectId::MotorDeadZone);
@@ -39,8 +39,8 @@ fn each_sample_of_the_command_passes_the_motor_also_where_the_log_is_thinned() {
     }
 }
 
-/// A delayed command is the same command later, after the one from before the log; also where the log is
-/// thinned and the motor has a chain.
+/// With a delay, the motor receives the command from before the log and then the recorded command, shifted by the
+/// delay; also in a thinned log and with further stages of the motor.
 #[test]
 fn a_delay_carries_the_command_from_before_the_log() {
     let (before_a, delay_s) = (-0.7, 0.013);

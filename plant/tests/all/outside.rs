@@ -1,4 +1,4 @@
-//! Effects that another crate brings along.
+//! Effects that another crate defines.
 
 use plant::{
     Definition, Effect, EffectId, EffectInfo, ExternalEffect, ExternalError, Instant, Kind, Model,
@@ -115,7 +115,7 @@ impl Effect for Fading {
     }
 }
 
-/// A torque of the motor beside the one that the model knows: it depends on the current.
+/// A further torque of the motor that is proportional to the current.
 struct MoreTorque;
 
 impl Effect for MoreTorque {
@@ -184,8 +184,7 @@ fn an_effect_from_outside_is_differentiated_like_one_of_the_library() {
     agree_with_finite_differences(eccentric, &[0.01, 0.3]);
 }
 
-/// Energy: a magnet takes no work over a swing, so that the body comes back to where it was let go, later or
-/// earlier than without it.
+/// A magnet conserves the energy of a swing, but changes its period.
 #[test]
 fn a_magnet_takes_no_energy_from_the_swing() {
     let values = [
@@ -257,7 +256,7 @@ fn equal_definitions_are_one_effect() {
     assert_eq!(one, EffectId::of::<Magnet>().expect("sound"));
     assert_eq!(magnet_by_hand(), magnet_by_hand());
     assert_ne!(one, magnet_by_hand());
-    // After those of the library, whatever came first.
+    // External effects come after those of the library, in any order of adding.
     let model = Model::base().with(one).with(EffectId::GyroBias);
     assert_eq!(model.effects().last(), Some(&one));
     assert_eq!(model.range_of(one).map(|own| own.len()), Some(3));

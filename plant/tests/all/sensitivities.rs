@@ -6,7 +6,7 @@ use plant::{
 
 use crate::VALUES;
 
-/// Another command than the first one of the log came before it.
+/// The command before the log, A; it differs from the first command of the log.
 const BEFORE_A: f64 = 0.9;
 
 /// The outputs of a driven run from 0.3 rad, sample after sample.
@@ -25,7 +25,8 @@ fn outputs<S: Scalar>(model: &Model, values: &[S], input: &Input, time_s: &[f64]
     out
 }
 
-/// Every parameter of an effect with these values, beside the base model.
+/// Compares the derivatives with respect to every parameter of an effect with finite differences. The model is the base
+/// model with this effect, whose parameters have the values `own`.
 pub fn agree_with_finite_differences(effect: EffectId, own: &[f64]) {
     let info = effect.info();
     let time_s: Vec<f64> = (0..400).map(|k| k as f64 * 0.004).collect();
@@ -62,8 +63,9 @@ pub fn agree_with_finite_differences(effect: EffectId, own: &[f64]) {
             let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
             let error: Vec<f64> = exact.iter().zip(&difference).map(|(a, b)| a - b).collect();
             assert!(norm(&exact) > 0.0, "{name} has no trace");
-            // A held command that comes later acts in the derivative over the stretch before its change, on
-            // average half a sample early, of the tenths of a second in which the body swings.
+            // The derivative with respect to the delay of a held command acts over the interval before the change of
+            // the command, on average half a sample too early. Relative to the tenths of a second of a swing this is
+            // small.
             let is_moved = info.timing == Some(Timing::Delay) && hold == Hold::Zero;
             let tolerance = if is_moved { 0.005 * step as f64 } else { 2e-3 };
             assert!(
@@ -76,7 +78,7 @@ pub fn agree_with_finite_differences(effect: EffectId, own: &[f64]) {
     }
 }
 
-/// Values in the middle of what is plausible; of the limit of a supply some that this run reaches.
+/// Values in the middle of the plausible range; for the limit of the supply, values that this run reaches.
 fn plausible(effect: EffectId) -> Vec<f64> {
     if effect.info().is_limit {
         return vec![12.0, 8.0];

@@ -1,4 +1,4 @@
-//! The unbalance of the wheel against what follows from its energy.
+//! The unbalance of the wheel, compared with the equations that follow from its energy.
 
 use plant::{Current, EffectId, Kind, Model, Plant, State};
 
@@ -18,8 +18,9 @@ fn plant(kind: Kind, friction: bool) -> Plant<f64> {
     Plant::new(&model, &values, kind)
 }
 
-/// Kinetic and potential energy of body, wheel and the mass beside its axis: of that mass the speed of its axis, k α̇,
-/// and its own about the axis, r (α̇ + φ̇), enclose the angle χ; what is quadratic in r stands in j_w.
+/// Kinetic and potential energy in J of body, wheel and the mass beside the wheel's axis. The velocity of this mass is
+/// the sum of k α̇, the velocity of the axis, and r (α̇ + φ̇) about the axis; the angle between the two is χ. The
+/// terms with r² are part of j_w.
 fn energy(state: &State<f64>) -> f64 {
     let [p, phase, k, g] = UNBALANCE;
     let (rate, speed) = (state.rate_rad_s, state.wheel_speed_rad_s);
@@ -59,7 +60,7 @@ fn without_friction_the_energy_stays() {
         .map(|e| (e - energies[0]).abs())
         .fold(0.0, f64::max);
     assert!(largest < 1e-6 * energies[0].abs().max(0.1), "{largest}");
-    // The unbalance is no small change here: the wheel's speed varies by it.
+    // The unbalance is large enough to matter: it changes the wheel's speed by more than 5 rad/s.
     let spread = speeds
         .iter()
         .fold(0.0f64, |m, speed| m.max((speed - 40.0).abs()));

@@ -45,7 +45,7 @@ fn command() -> impl Strategy<Value = Command> {
     })
 }
 
-/// Everything that a receiver makes of these bytes.
+/// All messages and refusals that a receiver gives for these bytes.
 fn received(bytes: impl IntoIterator<Item = u8>) -> Vec<Result<Telemetry, Refusal>> {
     let mut receiver = Receiver::new();
     bytes
@@ -145,9 +145,8 @@ proptest! {
         prop_assert_eq!(got, [Ok(sent)]);
     }
 
-    /// Bytes are lost, changed or put in at one place: what was sent whole elsewhere arrives, in order,
-    /// and nothing that was never sent. A single burst spoils at most the frames that it touches and
-    /// the one that follows.
+    /// Bytes are lost, changed or inserted at one place. All other frames arrive in order, and no frame arrives that
+    /// was not sent. One burst of errors destroys at most the frames that it touches and the frame after them.
     #[test]
     fn the_line_is_right_again_after_a_burst(
         sent in prop::collection::vec(telemetry(), 4..12),

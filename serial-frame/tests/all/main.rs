@@ -1,3 +1,3 @@
-//! The frames as a reader and a writer of the line see them.
+//! Tests of the public interface of the crate: frames that are written to a line and read from it.
 
 mod frames;

@@ -133,9 +133,9 @@ pub struct SwingOverMeasurement {
     pub whole_rad: Vec<f64>,
     /// The linear model in rad.
     pub linear_rad: Vec<f64>,
-    /// Root mean square of measurement − whole model over these periods, over the amplitude.
+    /// Root mean square of measurement − whole model over these periods, relative to the amplitude.
     pub whole_error: f64,
-    /// Root mean square of measurement − linear model over these periods, over the amplitude.
+    /// Root mean square of measurement − linear model over these periods, relative to the amplitude.
     pub linear_error: f64,
 }
 

@@ -1,4 +1,4 @@
-//! A measurement compared with the models.
+//! Helpers for the comparison of a measurement with the models.
 
 use crate::error::SimulateError;
 

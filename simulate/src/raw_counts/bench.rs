@@ -20,15 +20,15 @@ pub struct RawLoop<'a> {
     pub plant: &'a Plant<f64>,
     /// Sensors and drive.
     pub sensors: RawSensors,
-    /// Largest current of the drive, A; not of a voltage drive.
+    /// Largest current of a current drive, A; a voltage drive does not use it.
     pub drive_limit_a: f64,
     /// Time between samples, s.
     pub sample_time_s: f64,
-    /// How long the body is held at its start before the controller is armed and the body is released,
-    /// s; the filter aligns during that time.
+    /// Time in s for which the body is held at its start, before the controller is armed and the body is released. The
+    /// filter aligns during this time.
     pub held_s: f64,
-    /// Whether the firmware asks again to arm before every sample after the release, whatever the status;
-    /// else it asks once, at the release.
+    /// Whether the firmware asks to arm before every sample after the release, whatever the status. Otherwise it asks
+    /// once, at the release.
     pub asks_again: bool,
     /// Pushes on the body; their times count from the release.
     pub pushes: Vec<Push>,
@@ -129,7 +129,7 @@ impl<'a> RawLoop<'a> {
     /// `resolution_rad`.
     ///
     /// # Errors
-    /// Those of [`RawLoop::run`]; a resolution that is not positive.
+    /// Times or a resolution that are not positive; emitted code that fails; a motion that is no longer finite.
     pub fn largest_recoverable_angle(
         &self,
         scale: &Scale,

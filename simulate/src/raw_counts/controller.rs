@@ -150,7 +150,11 @@ impl InterpretedController {
             .to_vec();
         let bits = match angle.result_types.as_slice() {
             [checker::program::Type::Fixed(bits)] => *bits,
-            _ => return Err(failure("the body's angle is no angle".to_owned())),
+            _ => {
+                return Err(failure(
+                    "the angle of the emitted crate is no fixed-point word".to_owned(),
+                ));
+            }
         };
         let sample = step.inputs.iter().skip(start.len()).map(|name| {
             SampleWord::of(name)

@@ -3,7 +3,7 @@
 use super::controller::{RawController, RawSample};
 use crate::law::LawFailure;
 
-/// What is wrong with the samples, or with the firmware, while a fault lasts.
+/// A fault of the samples or of the firmware.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// The gyroscope's registers are no longer updated.
@@ -128,7 +128,7 @@ impl<C: RawController> Faulty<C> {
 
     fn damaged(&self, sample: &RawSample) -> RawSample {
         let mut damaged = *sample;
-        // What a sensor repeats that has never been read: zero.
+        // A sensor that fails before its first reading repeats zeros.
         let last = self.last.unwrap_or(NOTHING_READ);
         let [zero, wrap] = self.body_counts.map(i32::from);
         let body = |count: i32| count.rem_euclid(wrap.max(1)) as u16;

@@ -1,8 +1,8 @@
 //! The loop as the firmware closes it: from the sensors' raw counts to the duty of the drive.
 //!
-//! Nothing in it is idealised: the accelerometer measures the body's own acceleration at its
-//! position, every reading has noise, a bias and quantisation, the emitted filter estimates the
-//! attitude, and the current follows from the duty.
+//! The simulation has the imperfections of a real bench: the accelerometer measures the body's own acceleration at its
+//! position, every reading has noise, a bias and quantisation, the emitted filter estimates the attitude, and the
+//! current follows from the duty.
 
 mod bench;
 mod controller;

@@ -1,4 +1,5 @@
-//! Sensors with a pace of their own: fresh readings at their own rates, behind their own filters, and now and then late.
+//! Sensors that are not synchronous with the controller: each gives fresh readings at a rate of its own, behind a
+//! filter of its own, and some samples receive late readings.
 
 use super::controller::{RawController, RawSample};
 use crate::law::LawFailure;
@@ -8,13 +9,13 @@ use rand_chacha::ChaCha8Rng;
 /// The pace of gyroscope and accelerometer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorPace {
-    /// Fresh readings of the gyroscope a second; infinite for one at every sample.
+    /// Fresh readings of the gyroscope per second; infinite for one at every sample.
     pub gyro_rate_hz: f64,
-    /// The same of the accelerometer.
+    /// Fresh readings of the accelerometer per second; infinite for one at every sample.
     pub accel_rate_hz: f64,
     /// Time constant of the gyroscope's low-pass filter, s; zero for none.
     pub gyro_lag_s: f64,
-    /// The same of the accelerometer's.
+    /// Time constant of the accelerometer's low-pass filter, s; zero for none.
     pub accel_lag_s: f64,
     /// Share of the samples in which the bus is late: every reading is then that of the sample before.
     pub late_share: f64,
@@ -31,8 +32,8 @@ impl SensorPace {
     };
 }
 
-/// A controller whose sensors have this pace. A reading that becomes fresh between two samples is taken as that of the
-/// later one: it is up to one sample younger than on the bench.
+/// A controller whose sensors have this pace. A reading that becomes fresh between two samples has the value of the
+/// later sample: it is up to one sample younger than on the bench.
 #[derive(Clone, Debug)]
 pub struct Paced<C> {
     /// The controller.
@@ -47,7 +48,7 @@ pub struct Paced<C> {
     shown: Option<RawSample>,
 }
 
-/// One sensor between its element and its registers.
+/// The path of one sensor from the measured value to its registers: low-pass filter, and update at the sensor's rate.
 #[derive(Clone, Copy, Debug, Default)]
 struct Chain {
     filtered: Option<[f64; 3]>,
@@ -56,7 +57,7 @@ struct Chain {
 }
 
 impl Chain {
-    /// Takes the element's reading at `time_s` and returns what the registers show.
+    /// Receives the unfiltered reading at `time_s` and returns the contents of the registers.
     fn shows(&mut self, counts: [i16; 3], time_s: f64, rate_hz: f64, kept: f64) -> [i16; 3] {
         let before = self.filtered.unwrap_or(counts.map(f64::from));
         let filtered = [0, 1, 2].map(|axis| {
@@ -64,7 +65,7 @@ impl Chain {
             element + kept * (before[axis] - element)
         });
         let is_first = self.filtered.replace(filtered).is_none();
-        // Rounding must not make a period of the count of samples one too few.
+        // The small excess keeps rounding from counting one period too few.
         let periods = (time_s * rate_hz * (1.0 + 1e-12)).floor();
         let is_fresh = !periods.is_finite() || periods as u64 > self.periods;
         if is_first || is_fresh {
@@ -159,7 +160,8 @@ impl<C: RawController> RawController for Paced<C> {
 mod tests {
     use super::*;
 
-    /// At 800 Hz and a loop of 1 kHz four of five samples show a fresh reading; at 400 Hz two of five.
+    /// In a loop of 1 kHz, a sensor of 800 Hz gives a fresh reading in four of five samples, one of 400 Hz in two of
+    /// five.
     #[test]
     fn registers_are_fresh_at_their_own_rate() {
         for (rate_hz, fresh) in [
@@ -180,7 +182,7 @@ mod tests {
         }
     }
 
-    /// A step passes the filter as 1 − e^(−t/T).
+    /// The response of the filter to a step is 1 − e^(−t/T).
     #[test]
     fn a_filter_lags() {
         let mut chain = Chain::default();

@@ -52,11 +52,11 @@ pub struct RawSensors {
     pub body: Option<EncoderOutput>,
     /// Gyroscope, 16 bit.
     pub gyro: CountsLine,
-    /// Standard deviation of its noise, rad/s a sample.
+    /// Standard deviation of the gyroscope's noise in one sample, rad/s.
     pub gyro_noise_rad_s: f64,
     /// Accelerometer, 16 bit.
     pub accel: CountsLine,
-    /// Standard deviation of its noise, m/s² a sample.
+    /// Standard deviation of the accelerometer's noise in one sample, m/s².
     pub accel_noise_m_s2: f64,
     /// Gravity, m/s².
     pub gravity_m_s2: f64,
@@ -64,15 +64,15 @@ pub struct RawSensors {
     pub lever_arm_m: [f64; 2],
     /// Angle about the pivot axis from the body's axis to the sensor's x axis, rad.
     pub mounting_angle_rad: f64,
-    /// How the wheel's speed is read.
+    /// The wheel's sensor.
     pub wheel: WheelOutput,
     /// Wheel speed per count of converter or driver, rad/s.
     pub wheel_speed_per_count: f64,
     /// Wheel speed at zero counts, rad/s.
     pub wheel_speed_at_zero: f64,
-    /// Standard deviation of its noise, rad/s a sample.
+    /// Standard deviation of the noise of the wheel speed in one sample, rad/s.
     pub wheel_noise_rad_s: f64,
-    /// Standard deviation of the noise of encoders, counts a sample.
+    /// Standard deviation of the noise of encoders in one sample, counts.
     pub encoder_noise_counts: f64,
     /// Duty at zero current, counts.
     pub duty_zero: u16,
@@ -128,9 +128,9 @@ impl RawSensors {
     /// Sensors that `spec` calibrates and mounts correctly, with converter and drive of the thesis:
     /// 12 bit with rpm = 8.53108 count − 6594.5; 10 % to 90 % of a 16-bit duty for ∓2.2 A.
     ///
-    /// Two values are assumed, since the thesis does not state them. The noise: densities of the data sheets over 500 Hz
-    /// (0.025 °/s/√Hz and 126 µg/√Hz), 0.6 rad/s on the wheel. The remaining bias after calibration: 0.1 °/s
-    /// and 1 mg on each axis (1.6 and 4.1 counts of the thesis' sensors).
+    /// Two values are assumed, since the thesis does not state them. The noise: densities of the data sheets over 500
+    /// Hz (0.025 °/s/√Hz and 126 µg/√Hz), 0.6 rad/s on the wheel. The remaining bias after calibration: 0.1 °/s and 1
+    /// mg on each axis (1.6 and 4.1 counts of the thesis' sensors).
     ///
     /// # Errors
     /// A sensor's matrix without inverse.

@@ -1,4 +1,4 @@
-//! Figure 3.3 of the thesis: what each way to an angle costs.
+//! Figure 3.3 of the thesis: the errors of the methods for the angle.
 
 use crate::bench::model;
 use attitude::AttitudeSpec;
@@ -16,7 +16,7 @@ fn swing(sensors: &RawSensors, spec: &AttitudeSpec) -> FilterComparison {
 #[test]
 fn integration_drifts_with_the_bias_and_the_filters_do_not() {
     let mut sensors = RawSensors::of_the_thesis().unwrap();
-    // Half a degree a second, as a gyroscope has it that was not calibrated today.
+    // A bias of 0.5 °/s, as of a gyroscope that was calibrated some days ago.
     sensors.gyro.bias_counts *= 5.0;
     let spec = AttitudeSpec {
         lever_arm_m: sensors.lever_arm_m,
@@ -27,9 +27,9 @@ fn integration_drifts_with_the_bias_and_the_filters_do_not() {
         let error = found.rms_error_rad(estimate).to_degrees();
         println!("{name}: {error:.3}° RMS");
     }
-    // On average over the run half the integral of the gyroscope's bias. What else there is: noise
-    // and bias of the one reading it starts from (three times 2.8 mrad, 1.4 mrad), the low-pass'
-    // lag, of which (α(T) − α(0)) 20 ms/T is left (2 mrad), the random walk of the noise (2 mrad).
+    // The mean error over the run is half of the integral of the gyroscope's bias. The tolerance covers noise and bias
+    // of the first reading (three times 2.8 mrad, 1.4 mrad), the lag of the low-pass, (α(T) − α(0)) 20 ms/T (2 mrad),
+    // and the random walk of the noise (2 mrad).
     let bias = sensors.gyro.bias_counts[2] / sensors.gyro.per_unit[(2, 2)];
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let drift = mean(&found.low_pass_rad) - mean(&found.truth_rad);

@@ -1,5 +1,5 @@
-//! The emitted controller of a bench with an encoder on the pivot: it balances for long, and no fault of its sensors keeps
-//! the motor at full current for longer than is stated.
+//! The emitted controller of a bench with an encoder on the pivot: it balances for long, and no fault of its sensors
+//! keeps the motor at full current for longer than is stated.
 
 use checker::Module;
 use codegen::hardware::{BodyEncoder, BodySensor, EncoderSpec, HardwareSpec, RateNeeds};
@@ -101,15 +101,16 @@ impl PivotBench {
         }
     }
 
-    /// Current that holds a body at this angle (A): what gravity takes.
+    /// Current in A that holds the body at this angle against gravity.
     fn held_a(&self, angle_rad: f64) -> f64 {
         self.fall / self.push[0] * angle_rad
     }
 
-    /// The wheel's speed at which a count that is stuck at this angle has half of the largest current left over (rad/s).
+    /// The wheel's speed (rad/s) beyond which an encoder that is stuck at this angle leads to a current that exceeds
+    /// the current against gravity by more than half of the largest current.
     ///
-    /// After its window a stuck count shows a constant angle c and no rate, so that the command is N₁ c + N₃ φ̇. Of that
-    /// gravity takes the held part at most. So more than half of the largest current is left over beyond this speed.
+    /// After its window a stuck encoder shows a constant angle c and no rate, so that the command is N₁ c + N₃ φ̇. At
+    /// most the holding current of the angle c balances gravity.
     fn noticed_at_rad_s(&self, angle_rad: f64) -> f64 {
         let of_angle = (self.gains[0] * angle_rad - self.held_a(angle_rad)).abs();
         (0.5 * LIMIT_A + of_angle) / self.gains[2].abs()
@@ -141,8 +142,8 @@ impl PivotBench {
     }
 }
 
-/// Half a minute with the pushes of the scenario, with dry friction in the pivot and without, behind an encoder with
-/// noise and one without: a count that stands still by itself is no false alarm.
+/// Half a minute with the pushes of the scenario, with and without dry friction in the pivot, with and without noise of
+/// the encoder: a count that stands still because the body is at rest causes no trip.
 #[test]
 fn it_balances_for_half_a_minute_with_pushes() {
     let own = PivotBench::new();
@@ -174,21 +175,22 @@ fn it_balances_for_half_a_minute_with_pushes() {
     }
 }
 
-/// What is stated of a fault: the longest row of steps at full current, and whether it must trip.
+/// The promise for a fault: the largest number of consecutive steps at full current, and whether the fault must trip.
 fn promised(own: &PivotBench, fault: Fault) -> (usize, bool) {
     match fault {
         Fault::BodyJump | Fault::MissedTick => (0, true),
         Fault::WheelLow | Fault::WheelHigh => (own.limit("wheel_steps"), true),
-        // The body leans further and further, and its angle tells, whatever its sign.
+        // The body leans further and further until its angle trips; the sign of the angle does not matter for this.
         Fault::BodyReversed => (own.limit("saturated_steps"), true),
-        // Zero is no count upright: a jump; where the count is the same by chance, the wheel's.
+        // The count zero is not that of the upright body, so that the encoder jumps. If the count happens to be near
+        // zero, the wheel's sensor at its end trips.
         Fault::BusDead => (own.limit("wheel_steps"), true),
         _ => (own.limit("saturated_steps"), false),
     }
 }
 
-/// Faults at random times of runs with pushes: never more than the stated time at full current, no current after a trip,
-/// and a count that is frozen while the body is balanced is noticed by itself.
+/// With faults at random times of runs with pushes, the motor is never at full current for longer than stated and has
+/// no current after a trip. A count that is frozen while the body is balanced trips by itself.
 #[test]
 fn no_fault_drives_the_motor_for_longer_than_is_stated() {
     let own = PivotBench::new();
@@ -254,8 +256,8 @@ fn no_fault_drives_the_motor_for_longer_than_is_stated() {
             frozen_trip = frozen_trip.max(tripped.unwrap_or(0));
         }
     }
-    // A count that is frozen near upright asks for little current at first: the body may fall before anything trips, and
-    // the motor hardly pushes.
+    // A count that is frozen near upright leads to little current at first: the body may fall before the controller
+    // trips, but the motor hardly pushes.
     println!(
         "{trips} of 54 tripped; frozen: at full current for {frozen_full} ms at most, trips after {frozen_trip} ms at most"
     );
@@ -265,10 +267,11 @@ fn no_fault_drives_the_motor_for_longer_than_is_stated() {
     );
 }
 
-/// A count that is stuck upright, with a body that lies still: the wheel's speed feeds itself. u = N₃ φ̇ accelerates the wheel by
-/// (B₂ + B₃) u, less its friction, so that φ̇ grows with e^(λt), λ = (B₂ + B₃) N₃ − r_w/j_w; after ln(φ*/φ̇₀)/λ it is at the speed φ* at
-/// which half of the largest current is left over, and after the stated steps more the controller trips. Earlier nothing can
-/// tell: less current than dry friction holds leaves a sound encoder as still as a stuck one.
+/// An encoder that is stuck upright while the body is at rest. The wheel's speed then amplifies itself: u = N₃ φ̇
+/// accelerates the wheel by (B₂ + B₃) u, less its friction, so that φ̇ grows with e^(λt), λ = (B₂ + B₃) N₃ − r_w/j_w.
+/// After ln(φ*/φ̇₀)/λ it reaches the speed φ* at which the current exceeds the current against gravity by half of the
+/// largest current; the controller trips the stated number of steps later. An earlier trip is impossible: under a
+/// smaller current, which dry friction can hold, the count of a sound encoder stands still, too.
 #[test]
 fn a_count_stuck_upright_trips_when_the_wheel_has_spun_itself_up() {
     let own = PivotBench::new();
@@ -298,7 +301,7 @@ fn a_count_stuck_upright_trips_when_the_wheel_has_spun_itself_up() {
                     tripped = Some(steps);
                     break;
                 }
-                // It is armed with the wheel at rest, which a hand then turns.
+                // The controller is armed with the wheel at rest; after that, a hand turns the wheel.
                 _ => {
                     if controller.arm().unwrap() {
                         wheel = speed;
@@ -320,8 +323,9 @@ fn a_count_stuck_upright_trips_when_the_wheel_has_spun_itself_up() {
     }
 }
 
-/// Counts that are stuck while the body balances: no more than half of the largest current beyond what gravity takes at the shown
-/// angle flows for longer than the stated steps, and the wheel comes no further than that lets it, far below the end of its range.
+/// Counts that are stuck while the body balances. The current exceeds the current against gravity at the shown angle
+/// by more than half of the largest current only for the stated number of steps. The wheel's speed stays below the
+/// bound that follows, far below the end of its sensor's range.
 #[test]
 fn a_stuck_count_lets_the_motor_do_little() {
     let own = PivotBench::new();
@@ -337,14 +341,14 @@ fn a_stuck_count_lets_the_motor_do_little() {
         let mut faulty = Faulty::new(own.controller(), Fault::BodyFrozen, from, [0, 0]);
         faulty.body_counts = [ZERO, 4096];
         let start_rad = random.random_range(-0.05..0.05);
-        // The body may swing on: no stop is modelled.
+        // The body may swing through, because no mechanical stop is simulated.
         let trace = on.run(start_rad, 5.0, &mut faulty, false).unwrap();
-        // The trace begins at the release, what the controller said at the fault.
+        // The trace begins at the release, the list of statuses at the fault.
         let released = from - HELD_STEPS;
         let stuck = trace.angle_rad[released];
-        // The encoder is off by noise and half a count, and a sample later.
+        // The stuck angle differs from the true one by noise, half a count and the motion of one sample.
         let angle = stuck.abs() + 4.0 * own.encoder.rad_per_count().abs();
-        // What the wheel gains in the stated steps, with the body's own fall and push.
+        // The wheel's speed relative to the body grows by this in the stated steps, with the body's own acceleration.
         let accelerated = (own.push[1] + own.push[0]) * LIMIT_A + own.fall;
         let bound = own.noticed_at_rad_s(angle) + accelerated * 1e-3 * (frozen + 2) as f64;
         let statuses = faulty.statuses();

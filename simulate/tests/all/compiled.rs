@@ -52,7 +52,7 @@ pub fn word_law() -> impl Law {
 pub struct CompiledController(generated::Controller);
 
 impl CompiledController {
-    /// Not aligned, not armed.
+    /// A controller that is not aligned and not armed.
     pub fn new() -> CompiledController {
         CompiledController(generated::Controller::new())
     }

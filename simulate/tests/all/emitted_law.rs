@@ -69,7 +69,7 @@ fn on_the_linear_plant_the_difference_keeps_its_proved_bound() {
     let deviation = exact.deviation(&emitted);
     let allowed = largest_gain(&motion.model).map(|gain| gain * LAW_ERROR_A);
     assert_within(&deviation, allowed);
-    // And there is a difference: two laws were run, not one twice.
+    // A deviation of zero would mean that the same law was run twice.
     assert!(deviation.current_a > 1e-9);
 }
 

@@ -15,7 +15,7 @@ use simulate::{
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// `Status::Running` and the first that is a trip.
+/// Word of `Status::Running`; larger words are trips.
 const RUNNING: u8 = 2;
 
 const WHEEL_ENDS: [i32; 2] = [LIMITS.wheel_low, LIMITS.wheel_high];
@@ -23,13 +23,13 @@ const WHEEL_ENDS: [i32; 2] = [LIMITS.wheel_low, LIMITS.wheel_high];
 /// Steps for which a hand holds the body before the release.
 const HELD_STEPS: usize = 500;
 
-/// When the push of a recovery comes, s after the release: by then the start is over.
+/// Time of the push of a recovery, s after the release: the response to the start has decayed by then.
 const PUSH_S: f64 = 2.0;
 
-/// How long a recovery is watched, s.
+/// Duration of a recovery run, s.
 const RECOVERY_S: f64 = 5.0;
 
-/// By how much a disturbance must be larger for the sensors' errors not to matter.
+/// Relative increase of a disturbance that is larger than the influence of the sensors' errors.
 const SENSOR_SHARE: f64 = 0.05;
 
 fn on_bench(plant: &Plant<f64>, seed: u64) -> RawLoop<'_> {
@@ -39,7 +39,7 @@ fn on_bench(plant: &Plant<f64>, seed: u64) -> RawLoop<'_> {
     }
 }
 
-/// Steps in a row at the largest current either way.
+/// Largest number of consecutive steps at the largest current, in either direction.
 fn longest_at_full_current(duties: &[u16]) -> usize {
     let limit = generated::Current::from_bits(CURRENT_LIMIT.to_bits());
     let (top, bottom) = (duty(limit).0, duty(-limit).0);
@@ -56,25 +56,25 @@ fn longest_at_full_current(duties: &[u16]) -> usize {
     longest
 }
 
-/// What the supervisor promises of a fault, in steps from its beginning: the longest row at full current,
-/// and whether the fault must end in a trip.
+/// The promise of the supervisor for a fault: the largest number of consecutive steps at full current after the fault
+/// begins, and whether the fault must end in a trip.
 fn promised(fault: Fault) -> (i32, bool) {
     match fault {
         Fault::GyroscopeFrozen | Fault::AllFrozen => (LIMITS.frozen_steps, true),
         Fault::GyroscopeClipped | Fault::AccelerometerClipped => (LIMITS.clipped_steps, true),
         Fault::WheelLow | Fault::WheelHigh | Fault::BusDead => (LIMITS.wheel_steps, true),
         Fault::MissedTick => (0, true),
-        // The body falls, which its angle tells; else the time without gravity.
+        // The body falls and the angle trips, or the controller trips after the longest time without gravity.
         Fault::AccelerometerDead => (LIMITS.rejected_steps, true),
         Fault::GyroscopeReversed => (LIMITS.saturated_steps, true),
-        // Both look like a body, or a wheel, that is still: only the current's limit is left.
+        // These readings look like those of a body or a wheel at rest: only the time at the current's limit can trip.
         Fault::AccelerometerFrozen | Fault::WheelFrozen => (LIMITS.saturated_steps, false),
-        // This bench has no encoder on the pivot: nothing is wrong.
+        // This bench has no encoder on the pivot, so that these faults change nothing.
         Fault::BodyFrozen | Fault::BodyJump | Fault::BodyReversed => (0, false),
     }
 }
 
-/// When a fault begins.
+/// The time at which a fault begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Begins {
     /// Before the first sample.
@@ -85,23 +85,23 @@ enum Begins {
     Balancing,
 }
 
-/// What came of many runs.
+/// The results of many runs with faults.
 #[derive(Debug, Default)]
 struct FaultRuns {
     /// Runs in which the motor was driven at some time after the fault began.
     driven: usize,
     /// Runs that tripped.
     tripped: usize,
-    /// Longest row of steps at full current, of all runs.
+    /// Largest number of consecutive steps at full current in any run.
     longest_full: usize,
     /// Longest time from the fault to its trip, steps.
     longest_to_trip: usize,
 }
 
-/// Faults of every kind, each before the first sample, while the body is held and while it is balanced, from
-/// any start (a body that lies included), with pushes, and with a firmware that asks to arm once or before every
-/// sample. The motor is at full current for no longer than the fault may last, and without current whenever the
-/// controller does not run.
+/// Runs faults of every kind. They begin before the first sample, while the body is held, or while it is balanced; the
+/// start is arbitrary (the body may also lie), there are pushes, and the firmware asks to arm once or before every
+/// sample. In every run the motor is at full current for no longer than the fault may last, and has no current
+/// whenever the controller does not run.
 fn fault_runs(runs: usize, seed: u64) -> FaultRuns {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let plant: Plant<f64> = bench(true);
@@ -183,7 +183,7 @@ fn fault_runs(runs: usize, seed: u64) -> FaultRuns {
     found
 }
 
-/// Runs with faults that continuous integration affords; a thousand are run apart.
+/// As many runs with faults as a normal test run has time for; a thousand are run separately.
 #[test]
 fn no_fault_drives_the_motor_blindly() {
     let found = fault_runs(96, 41);
@@ -208,8 +208,8 @@ fn largest_wheel_speed_rad_s() -> f64 {
     speeds[0].min(speeds[1])
 }
 
-/// Whether the law in floating point, with perfect sensors, brings the body back from `start_rad` and through
-/// `pushes`, and stays within what the supervisor allows: the angle, the wheel's speed, the time at full current.
+/// Whether the law in floating point with perfect sensors brings the body back from `start_rad` and after `pushes`,
+/// within the supervisor's limits of angle, wheel speed and time at full current.
 fn a_perfect_sensor_recovers(plant: &Plant<f64>, start_rad: f64, pushes: &[Push]) -> bool {
     let on = ClosedLoop {
         pushes: pushes.to_vec(),
@@ -235,7 +235,7 @@ fn a_perfect_sensor_recovers(plant: &Plant<f64>, start_rad: f64, pushes: &[Push]
         && longest_full < LIMITS.saturated_steps
 }
 
-/// A start at rest and a push, neither beyond what the motor can hold or stop.
+/// A start at rest and a push, both small enough for the motor.
 fn disturbed(random: &mut ChaCha8Rng) -> (f64, Push) {
     let start_rad = random.random_range(-0.28..0.28);
     let impulse = random.random_range(-7e-3..7e-3_f64);
@@ -245,7 +245,8 @@ fn disturbed(random: &mut ChaCha8Rng) -> (f64, Push) {
     )
 }
 
-/// Faults that may pass: a missed tick trips at once, and an axis with the wrong sign stays wrong.
+/// The faults that can end before a trip: all but a missed tick, which trips at once, and an axis with the wrong sign,
+/// which stays wrong.
 fn passing() -> Vec<Fault> {
     let stays = [Fault::MissedTick, Fault::GyroscopeReversed];
     let mut all = Fault::ALL.to_vec();
@@ -253,14 +254,14 @@ fn passing() -> Vec<Fault> {
     all
 }
 
-/// What became of recoveries that perfect sensors make.
+/// The results of starts and pushes from which perfect sensors recover.
 #[derive(Debug, Default)]
 struct Recoveries {
-    /// Those that perfect sensors recover within the limits.
+    /// Number of runs in which perfect sensors recover within the limits.
     perfect: usize,
-    /// Of these, those that the emitted controller lost.
+    /// The runs among these that the emitted controller lost.
     lost: Vec<String>,
-    /// Of these, those that perfect sensors recover too from a disturbance that is larger by [`SENSOR_SHARE`].
+    /// The lost runs in which perfect sensors also recover from a disturbance that is larger by [`SENSOR_SHARE`].
     lost_clearly: Vec<String>,
 }
 
@@ -314,8 +315,9 @@ fn recoveries(runs: usize, seed: u64, fault_shares: Option<Range<f64>>) -> Recov
     found
 }
 
-/// No recovery is lost that perfect sensors make within the limits, but for those so near the motor's end that the
-/// errors of real sensors decide.
+/// The emitted controller recovers wherever perfect sensors recover within the limits. An exception is allowed only
+/// where perfect sensors do not recover from a disturbance larger by [`SENSOR_SHARE`]: there, the errors of real
+/// sensors decide.
 fn no_recovery_is_lost(runs: usize, seed: u64, fault_shares: Option<Range<f64>>) {
     let found = recoveries(runs, seed, fault_shares);
     println!(
@@ -332,7 +334,7 @@ fn real_sensors_lose_no_recovery() {
     no_recovery_is_lost(60, 45, None);
 }
 
-/// A fault that is over before it trips is survived.
+/// No recovery is lost to a fault that ends before the supervisor trips.
 #[test]
 fn a_fault_that_passes_loses_no_recovery() {
     no_recovery_is_lost(60, 46, Some(0.0..1.0));
@@ -412,7 +414,7 @@ fn sensors_at_their_own_pace_do_not_trip() {
     };
     let (paced, every) = (largest_rad(pace), largest_rad(SensorPace::EVERY_SAMPLE));
     println!("pushed to {paced:.4} rad, with fresh readings at every sample to {every:.4} rad");
-    // Four milliseconds of 45 that the loop bears.
+    // The sensors are about 4 ms late, and the delay margin of the loop is 45 ms.
     assert!(paced < 1.2 * every, "{paced} {every}");
 }
 

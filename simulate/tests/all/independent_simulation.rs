@@ -9,7 +9,8 @@ use simulate::overlay::MeasuredLog;
 use simulate::{Actuator, ClosedLoop, ExactLaw, Motion, Push, Sensor, Sensors, overlay};
 use std::path::{Path, PathBuf};
 
-/// What was simulated: noise, pushes (N m at s, falling to 1/e in 0.05 s), gains.
+/// The simulated loop: standard deviation of the noise of angle (rad), rate and wheel speed (rad/s); time (s) and
+/// torque (N m) of the pushes, which fall to 1/e in 0.05 s; gains.
 const NOISE: [f64; 3] = [1.2e-3, 4e-3, 0.6];
 const PUSHES: [(f64, f64); 4] = [(4.0, 0.02), (8.0, -0.03), (12.0, 0.035), (16.0, -0.02)];
 const GAINS: [f64; 3] = [-24.267242, -2.129739, -0.02258758];

@@ -111,7 +111,7 @@ fn a_law_emitted_for_another_bench_balances_it() {
         .run(&on, &mut [&mut from_source, &mut exact])
         .unwrap();
     assert_eq!(traces[0].fell_at_s, None);
-    // As on the thesis bench: a hundredth of what the sensors' noise hides.
+    // The allowed deviation is a hundredth of the sensors' noise on the thesis bench.
     let deviation = traces[0].deviation(&traces[1]);
     let noise = Sensors::of_the_thesis();
     let hidden = |sensor: Sensor| 0.01 * sensor.noise_std;

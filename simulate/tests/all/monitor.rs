@@ -1,5 +1,5 @@
-//! The emitted monitor on the nonlinear bench: silent while the pendulum moves as the model allows, and quick where
-//! the motor does not do what it is told.
+//! The emitted monitor on the nonlinear bench: it is silent while the pendulum moves as the model allows, and notices a
+//! motor that does not follow its command within 0.3 s.
 
 use crate::bench::{BASE, COULOMB_TORQUE, SAMPLE_TIME_S, bench, model};
 use checker::program::Type;
@@ -21,13 +21,14 @@ use std::f64::consts::PI;
 /// Steps during which the body is held before the controller is armed.
 const HELD_STEPS: usize = 500;
 
-/// 0.2 A in counts of the duty. A body that happens to stand asks for no current, and nothing shows that none would flow.
+/// 0.2 A in counts of the duty. The time of the monitor counts from the first command of this size, because a dead
+/// motor does not show while no current is commanded.
 const ASKED_COUNTS: u16 = 2_383;
 
 /// Steps after the first such current in which a fault of the motor must be noticed: 0.3 s.
 const NOTICED_STEPS: usize = 300;
 
-/// How far the body may lean until then: less than a tenth of the angle that trips.
+/// Largest angle of the body until then, degrees: less than a tenth of the angle that trips.
 const LEAN_DEG: f64 = 3.0;
 
 /// The emitted source of the thesis bench with a monitor.
@@ -97,10 +98,10 @@ fn emitted() -> Module {
     Module::parse(&sources).unwrap()
 }
 
-/// What becomes of a motor.
+/// The fault of a motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum MotorFault {
-    /// It does what it is told.
+    /// The motor follows its command.
     None,
     /// A wire is off: no torque.
     Dead,
@@ -196,7 +197,7 @@ impl RawController for Watched<'_> {
         self.steps += 1;
         Ok(match self.fault {
             MotorFault::Dead if is_faulty => ZERO_CURRENT,
-            // The same distance on the other side.
+            // The duty at the same distance on the other side of zero current.
             MotorFault::Reversed if is_faulty => {
                 ZERO_CURRENT.wrapping_add(ZERO_CURRENT.wrapping_sub(duty.0))
             }

@@ -1,4 +1,4 @@
-//! Laws of mechanics that every closed loop must keep, and theory that it must meet.
+//! Every simulated closed loop obeys the laws of mechanics and the theory of its design.
 
 use crate::bench::{BASE, SAMPLE_TIME_S, bench, exact_law, gains, plain_loop};
 use crate::compiled::CompiledLaw;
@@ -33,7 +33,7 @@ fn frictionless_run() -> LoopTrace {
     on.run(&at_rest(0.1), 2.0, &mut exact_law(), false).unwrap()
 }
 
-/// ∫ of the mean of neighbours.
+/// The integral over the run by the trapezoidal rule.
 fn integral(trace: &LoopTrace, value: impl Fn(usize) -> f64) -> f64 {
     (0..trace.len() - 1)
         .map(|k| 0.5 * (value(k) + value(k + 1)) * (trace.time_s[k + 1] - trace.time_s[k]))
@@ -107,8 +107,8 @@ fn on_the_linear_plant_the_loop_is_the_difference_equation_of_the_design() {
     }
 }
 
-/// The design's delay margin, met by simulation: a little less delay and the body comes to rest,
-/// a little more and it falls.
+/// The simulated loop becomes unstable at the delay margin of the design: with a little less delay the motion decays,
+/// with a little more it grows.
 #[test]
 fn the_delay_margin_is_where_the_simulated_loop_starts_to_swing() {
     let motion = linear_motion();
@@ -144,7 +144,7 @@ fn the_delay_margin_is_where_the_simulated_loop_starts_to_swing() {
     assert!(growth(1.02 * margin_s, &mut law) > 1.1);
 }
 
-/// A delay as an effect of the model and as computation time is one and the same.
+/// A delay as an effect of the model and the same delay as computation time give the same motion.
 #[test]
 fn a_delay_of_the_model_and_of_the_computation_agree() {
     let delay_s = 3.7e-3;
@@ -160,7 +160,7 @@ fn a_delay_of_the_model_and_of_the_computation_agree() {
     on.computation_s = delay_s;
     let other = on.run(&at_rest(0.1), 2.0, &mut exact_law(), false).unwrap();
     assert!(one.deviation(&other).angle_rad < 1e-12);
-    // And it matters.
+    // Without the delay, the motion differs.
     on.computation_s = 0.0;
     let without = on.run(&at_rest(0.1), 2.0, &mut exact_law(), false).unwrap();
     assert!(one.deviation(&without).angle_rad > 1e-4);
@@ -180,8 +180,8 @@ fn no_law_recovers_beyond_the_angle_at_which_the_motor_only_holds() {
     assert!(exact.recovered_rad.to_degrees() > 15.0);
     assert!((exact.recovered_rad - emitted.recovered_rad).abs() < 1e-5);
 
-    // A stubborn law, gains so large that it always pushes at the limit towards upright and
-    // brakes late, comes closer to the limit, and still not beyond.
+    // A law with gains so large that it pushes at the limit towards upright and brakes late comes closer to the
+    // limiting angle, but does not exceed it.
     let mut stubborn = ExactLaw {
         gains: nalgebra::RowVector3::new(-2000.0, -150.0, -0.05),
         limit_a: 2.0,
@@ -237,7 +237,8 @@ fn a_body_without_control_falls() {
     let on = plain_loop(Motion::Nonlinear(&plant));
     let trace = on.run(&at_rest(0.1), 5.0, &mut off, true).unwrap();
     let fell_at_s = trace.fell_at_s.unwrap();
-    // About ln(2·(π/2)/0.1)/ω of a linear fall, a little longer as gravity saturates.
+    // A linear fall takes about ln(2·(π/2)/0.1)/ω; the true one is a little longer, because gravity grows with sin α
+    // only.
     let omega = (BASE[2] / (BASE[0] - BASE[1])).sqrt();
     let linear_s = (PI / 0.1).ln() / omega;
     assert!(

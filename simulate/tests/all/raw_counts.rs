@@ -55,8 +55,8 @@ fn balances_for_half_a_minute() {
                 "seed {seed}, Coulomb {with_coulomb}: within {angle:.3}°, wheel {wheel:.1} rad/s, \
                  {current:.2} A, filter off by {error:.3}° RMS"
             );
-            // A milli-g of bias leans the measured angle by 0.06°, the filter's start from noisy
-            // readings and friction's stick by as much again.
+            // A bias of 1 mg changes the measured angle by 0.06°; the filter's start from noisy readings and sticking
+            // friction add as much again.
             assert!(angle < 0.5, "seed {seed}: {angle}°");
             assert!(error < 0.2, "seed {seed}: {error}°");
             assert!(current < 2.0, "seed {seed}: {current} A");
@@ -64,7 +64,7 @@ fn balances_for_half_a_minute() {
     }
 }
 
-/// Every push of the half minute is answered, through raw counts as with ideal sensors.
+/// From raw counts, as with ideal sensors, the body returns to upright after every push of the half minute.
 #[test]
 fn answers_the_pushes_of_the_thesis() {
     let scenario = Scenario::half_minute(&scale());
@@ -111,7 +111,7 @@ fn answers_the_pushes_of_the_thesis() {
     }
 }
 
-/// The start that the current allows, and where the emitted step gives up.
+/// The emitted step recovers from nearly the largest angle that the current allows.
 #[test]
 fn recovers_nearly_to_the_current_limit() {
     let scale = scale();
@@ -132,7 +132,7 @@ fn recovers_nearly_to_the_current_limit() {
             );
             assert!(found.recovered_rad < found.limit_rad);
             assert!(found.recovered_rad.to_degrees() > 15.0, "seed {seed}");
-            // The other side, where the sensors' biases act the other way.
+            // A start on the other side, where the sensors' biases have the opposite effect.
             let other_side = on
                 .run(-15_f64.to_radians(), 10.0, &mut controller, true)
                 .unwrap();
@@ -167,8 +167,8 @@ fn from_source_and_compiled_are_one() {
     assert!(InterpretedController::new(&other).is_err());
 }
 
-/// Let go before a window of quiet samples has set the attitude, the body falls without a current;
-/// held a third of a second, it comes up from a small tilt.
+/// If the body is released before a window of quiet samples has set the attitude, it falls without a current. If it is
+/// held for a third of a second, it comes up from a small tilt.
 #[test]
 fn the_attitude_is_known_before_the_motor_is_driven() {
     let plant = bench(true);

@@ -54,7 +54,7 @@ fn the_linear_model_is_good_at_20_degrees_and_not_at_60() {
     // The phase adds up over the periods and grows with the square of the amplitude.
     let ratio = once / often;
     assert!((ratio - 10.0_f64.sqrt()).abs() < 0.2 * ratio, "{ratio}");
-    // And at the amplitude found the error is the one asked for.
+    // The error at the amplitude found is the requested 0.05.
     let at = compare_free_swing(&model, &values, once, 1.0).unwrap();
     assert!((at.geometric_error_over_first_period - 0.05).abs() < 1e-3);
 }
@@ -160,7 +160,7 @@ fn both_models_start_where_the_measured_swing_does() {
         assert!(over.time_s.len() < time_s.len());
         (over.amplitude_rad, over.linear_error)
     };
-    // With a rest of 0.02 rad, linear: 0.2·0.12/1.2.
+    // The linear model rests at 0.2·0.12/1.2 = 0.02 rad, so that a start at 0.03 rad has an amplitude of 0.01 rad.
     let (amplitude, error) = errors([0.03, 0.0]);
     assert!((amplitude - 0.01).abs() < 1e-6, "{amplitude}");
     assert!(error < 0.02, "{error}");

@@ -105,7 +105,7 @@ fn slips_on_the_command_line_are_named() {
     for (more, parts) in [
         (
             vec!["--weights", "1,2,3"],
-            vec!["3 numbers; four are needed"],
+            vec!["3 numbers are given, and four are needed"],
         ),
         (vec!["--weights", "1,2,x,4"], vec!["\"x\" is no number"]),
         (
@@ -119,7 +119,7 @@ fn slips_on_the_command_line_are_named() {
         ),
         (
             vec!["--export", "fortran"],
-            vec!["neither python nor matlab"],
+            vec!["python or matlab is needed"],
         ),
         (
             vec!["--compare", "/nowhere/model.toml"],

@@ -1,4 +1,4 @@
-//! The encoder on the pivot that shows the body.
+//! The encoder on the pivot that measures the body's angle and rate.
 
 use bench_files::AngleSensor;
 use codegen::hardware::{BodyEncoder, EncoderSpec, WINDOW_MAX};
@@ -6,11 +6,12 @@ use codegen::hardware::{BodyEncoder, EncoderSpec, WINDOW_MAX};
 use super::{HardwareError, Work};
 use crate::numbers::significant;
 
-/// Largest rate that is shown, rad/s: 2000 °/s, as by the gyroscopes of other benches. A body that falls from upright
-/// swings through below with twice its rate constant, 20 rad/s for that of the thesis.
+/// Largest rate that the word of the rate holds, rad/s: 2000 °/s, the range of the gyroscopes of other benches. A body
+/// that falls from upright passes the hanging position at the rate 2 √(G/(Θ − j_w)), about 20 rad/s on the thesis
+/// bench.
 const LARGEST_RATE_RAD_S: f64 = 34.906_585;
 
-/// Share of the largest current from which the change by one count of the rate is told.
+/// If one count of the rate changes the current by more than this share of the largest current, a warning says so.
 const COARSE_SHARE: f64 = 0.25;
 
 impl Work<'_> {
@@ -35,16 +36,16 @@ impl Work<'_> {
         let wraps = f64::from(encoder.wrap()) / counts_per_turn.abs();
         if wraps < 1.0 {
             return Err(HardwareError::Contradiction(format!(
-                "[hardware.angle]: a count of {bits} bits begins again before the {} counts of a turn are over: \
-                 one count would stand for several angles",
+                "[hardware.angle]: a count of {bits} bits starts again at zero within the {} counts of a turn, so \
+                 that one count stands for several angles; correct bits or counts_per_turn",
                 significant(counts_per_turn.abs(), 6)
             )));
         }
         if wraps.fract() != 0.0 {
             self.warnings.push(format!(
-                "[hardware.angle]: the count begins again after {} turns, which is not a whole number: \
+                "[hardware.angle]: the count starts again at zero after {} turns, which is not a whole number: \
                  after that many turns in one direction, the body is upright at another count; keep the body \
-                 within half of that, or restart the controller",
+                 within half of these turns, or restart the controller",
                 significant(wraps, 6)
             ));
         }
@@ -62,9 +63,8 @@ impl Work<'_> {
         let late_s = 0.5 * f64::from(encoder.window) * self.sample_time_s;
         if share > COARSE_SHARE {
             self.warnings.push(format!(
-                "[hardware.angle]: one count of the rate changes the current by {} of its limit, and the \
-                 motor will rattle; \
-                 an encoder with more counts a turn, or another sample time, would be better",
+                "[hardware.angle]: one count of the rate changes the current by {} times its limit, and the \
+                 motor will rattle; use an encoder with more counts per turn, or a longer sample time",
                 significant(share, 2)
             ));
         }

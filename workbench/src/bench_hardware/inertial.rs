@@ -11,12 +11,12 @@ use crate::numbers::significant;
 /// Data sheets allow 0.01 to 0.05 °/s per kelvin.
 const GYRO_DRIFT_RAD_S: f64 = 8.726_646e-3;
 
-/// Factor by which the filter's largest correction must exceed that drift. With a smaller one, the error from the
-/// drift would exceed the ripple of the correction.
+/// Factor by which the filter's largest correction, 2 β, must exceed that drift. With a smaller factor, the error from
+/// the drift would exceed the ripple of the correction.
 const DRIFT_MARGIN: f64 = 3.0;
 
-/// Largest share that the other axes may contribute to a reading, relative to its own axis: data sheets allow
-/// 2 %, a sensor that is soldered at an angle has more.
+/// Largest contribution of the other two axes to a reading, as a share of that of its own axis. Data sheets allow 2 %;
+/// a sensor that is soldered at an angle has more.
 const CROSS_AXIS_MAX: f64 = 0.5;
 
 /// A calibration must be in the sensor's own axes: each output mainly follows its own axis. If it does
@@ -27,9 +27,9 @@ fn require_own_axes(name: &str, matrix: &[[f64; 3]; 3]) -> Result<(), HardwareEr
         let others: f64 = entries.iter().map(|entry| entry.abs()).sum::<f64>() - own.abs();
         if own.is_nan() || own <= 0.0 || others > CROSS_AXIS_MAX * own {
             return Err(HardwareError::Contradiction(format!(
-                "[calibration.{name}] has a matrix whose {} axis does not follow its own counts (row \
-                 {:?}): a calibration is in the sensor's own axes; how these sit on the body belongs \
-                 to axes under [hardware.{name}] or to [calibration.mounting]",
+                "[calibration.{name}]: the {} axis of the matrix does not mainly follow its own counts (row \
+                 {:?}); write the calibration in the sensor's own axes, and state how they lie on the body \
+                 as axes under [hardware.{name}] or as [calibration.mounting]",
                 ["x", "y", "z"][row],
                 entries
             )));
@@ -71,7 +71,7 @@ impl Work<'_> {
             "FXOS8700 at ±8 g, 4096 counts/g",
             "part = \"MPU-6050\", or scale in m/s2 per count",
         );
-        // The angle does not need a magnetometer: one that is not stated is not used.
+        // The angle needs no magnetometer, so that a missing statement is no error.
         let mag = if magnetometer.is_some() || self.calibration.magnetometer.is_some() {
             self.sensor(
                 "magnetometer",
@@ -159,8 +159,8 @@ impl Work<'_> {
                     && !(1.0 / DIFFER..=DIFFER).contains(&(mean / scale))
                 {
                     self.warnings.push(format!(
-                        "[calibration.{name}] has {} per count, {what} {}: the calibrated one is \
-                         used; look up the sensor's range",
+                        "[calibration.{name}] has a scale of {} per count, but {what} states {}: the \
+                         calibrated scale is used; look up the range to which the sensor is set",
                         significant(mean, 4),
                         significant(scale, 4)
                     ));
@@ -177,11 +177,11 @@ impl Work<'_> {
         };
         let clip = match stated {
             Some(sensor) => sensor.clip,
-            // If the calibration comes from the preset, too, the preset has been named already.
+            // If the scale comes from the preset, too, the preset has been named already.
             None if calibrated.is_none() => preset.1,
             None => {
                 let from_preset = format!("clips at {:?} counts", preset.1);
-                let example = format!("{example}; it says where the sensor clips");
+                let example = format!("{example}; it states the counts at which the sensor clips");
                 if !self.fill(&what, &from_preset, &example) {
                     return None;
                 }
@@ -217,7 +217,8 @@ impl Work<'_> {
             let turn = calibrate::alignment(&mounting.axis.into()).into_inner();
             if let Some(stated) = matrix(accelerometer) {
                 self.compare_turns(&stated, &turn, mounting.angle_rad);
-                // The rotation of the magnetometer relative to the housing, and the measured orientation of the housing.
+                // The rotation of the magnetometer relative to the housing, and the measured orientation of the
+                // housing.
                 let against_housing = stated.transpose() * of_compass;
                 return Some(([turn, turn, turn * against_housing], mounting.angle_rad));
             }
@@ -267,7 +268,7 @@ impl Work<'_> {
             self.warnings.push(format!(
                 "[calibration.mounting] turns the sensor {}° away from the axes that \
                  [hardware.accelerometer] states: the calibrated mounting is used; flywheel bring-up \
-                 settles which is right",
+                 finds the right one",
                 significant(apart.to_degrees(), 2)
             ));
         }

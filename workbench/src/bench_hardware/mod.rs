@@ -39,7 +39,7 @@ pub(crate) struct BenchHardware {
 pub enum HardwareError {
     /// A required property is not stated.
     #[error(
-        "the bench's hardware is not stated: {}; state it in bench.toml or model.toml, or take what is missing from the bench of the thesis",
+        "the bench's hardware is not stated: {}; state it in bench.toml or model.toml, or take the missing parts from the bench of the thesis",
         .missing.join("; ")
     )]
     Missing {
@@ -54,11 +54,12 @@ pub enum HardwareError {
     NotEmitted(String),
 }
 
-/// Two values of [hardware] and [calibration] that differ by more than this factor belong to different parts or
-/// settings: data sheets allow 5 % at most, ranges differ by factors of two.
+/// A scale of [hardware] and one of [calibration] that differ by more than this factor belong to different parts or
+/// settings: data sheets allow 5 % at most, and ranges of one part differ by factors of two.
 const DIFFER: f64 = 1.2;
 
-/// Evaluates the statements of `file` for a loop with these needs; missing ones are filled from `preset`, if there is one.
+/// Evaluates the statements of `file`. `needs` decides the window of an encoder on the pivot. `preset`, if there is
+/// one, supplies what is not stated.
 pub(crate) fn bench_hardware(
     file: &ModelFile,
     needs: RateNeeds,
@@ -126,8 +127,8 @@ pub(crate) fn bench_hardware(
     })
 }
 
-/// The motor's torque constant in N m/A, which is its back-EMF in V s/rad; `None` where the model has torques per unit of
-/// inertia only.
+/// The motor's torque constant in N m/A, which is also its back-EMF constant in V s/rad; `None` if the model knows
+/// torques only per unit of inertia.
 fn torque_constant(file: &ModelFile) -> Option<f64> {
     let mut parameters = file.parameters.iter();
     let found = parameters.find(|parameter| parameter.name == "torque_constant")?;

@@ -1,4 +1,4 @@
-//! What a model states, leaves out and contradicts.
+//! Tests with models that state the hardware, leave parts of it out, or contradict themselves.
 
 use attitude::AttitudeSpec;
 
@@ -19,7 +19,7 @@ fn of(more: &str, preset: bool) -> Result<BenchHardware, HardwareError> {
     bench_hardware(&file(more), NEEDS, preset.then_some(Preset::ThesisBench))
 }
 
-/// Those of the loop of the thesis.
+/// The numbers of the loop of the thesis.
 const NEEDS: RateNeeds = RateNeeds {
     sample_time_s: 1e-3,
     rate_gain: -2.13,
@@ -39,8 +39,9 @@ fn body_encoder(more: &str) -> Result<BenchHardware, HardwareError> {
     )
 }
 
-/// The window is the shortest with which a count of the rate moves the current by an eighth of its limit: of AS5600 and
-/// AS5048 at 1 kHz 2.13 δ/(N T) = 0.25 A at N = 13.1 and 3.3, never more than a quarter of the delay margin.
+/// The window is the shortest one with which a count of the rate changes the current by at most an eighth of its limit.
+/// At 1 kHz, 2.13 δ/(N T) = 0.25 A gives N = 13.1 for the AS5600 and 3.3 for the AS5048. The delay of the window stays
+/// below a quarter of the delay margin.
 #[test]
 fn the_window_of_an_encoder_weighs_its_count_against_its_delay() {
     let window = |more: &str| {
@@ -129,7 +130,7 @@ fn a_preset_fills_a_timer_and_no_other() {
         of(other, true),
         Err(HardwareError::Contradiction(message)) if message.contains("another timer")
     ));
-    // Stated, it is what it is.
+    // A stated timer is used as stated.
     let stated = format!(
         "{other}[hardware.drive]\nkind = \"current\"\nbits = 12\nduty_zero = 2048\nduty_low = 410\nduty_high = 3686\n"
     );

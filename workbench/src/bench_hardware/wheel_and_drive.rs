@@ -7,8 +7,8 @@ use codegen::spec::{PwmDrive, VoltageDrive};
 use super::{DIFFER, HardwareError, Work};
 use crate::numbers::significant;
 
-/// If the range of a converter ends closer to zero than this share of its highest speed, it shows only one direction of
-/// rotation.
+/// A converter shows only one direction of rotation if its largest speed in the other direction is below this share of
+/// its largest speed.
 const ONE_WAY: f64 = 0.05;
 
 /// The line of the wheel's sensor, with the ends of its range.
@@ -20,7 +20,7 @@ pub(super) struct WheelLine {
     pub(super) high: i32,
 }
 
-/// Share of the stated largest speed at which the motor is switched off.
+/// Speed at which the motor is switched off, relative to the stated largest speed.
 const LARGEST_SHARE: f64 = 1.05;
 
 impl Work<'_> {
@@ -32,9 +32,8 @@ impl Work<'_> {
         let is_converter = matches!(stated, Some(WheelSpeedSensor::Converter { .. }) | None);
         if !is_converter && self.calibration.wheel_speed.is_some() {
             self.warnings.push(
-                "[calibration.wheel_speed] is a converter's line, and [hardware.wheel_speed] states another \
-                 sensor: the \
-                 line is not used"
+                "[calibration.wheel_speed] is the line of a converter, but [hardware.wheel_speed] states another \
+                 sensor: the line is not used; remove the one that is wrong"
                     .to_owned(),
             );
         }
@@ -90,9 +89,8 @@ impl Work<'_> {
         let window = encoder.window;
         if window > WINDOW_MAX {
             return Err(HardwareError::NotEmitted(format!(
-                "[hardware.wheel_speed] window = {window}: the emitted module takes an encoder's difference \
-                 over at most \
-                 {WINDOW_MAX} samples; a longer one makes the speed late, by half of it"
+                "[hardware.wheel_speed] window = {window}: the emitted module allows at most {WINDOW_MAX} samples, \
+                 because the speed is late by half the window; state a shorter window"
             )));
         }
         let slope = encoder.rad_s_per_count(self.sample_time_s);
@@ -193,9 +191,9 @@ impl Work<'_> {
         let stated = stated.map(|(slope, _)| slope);
         if found.slope * stated.unwrap_or(1.0) <= 0.0 {
             return Err(HardwareError::Contradiction(format!(
-                "[calibration.wheel_speed] has a slope of {} rad/s per count, against the sign that \
-                 is expected: with it the wheel's speed would be fed back reversed; calibrate the \
-                 converter again, or state the negative slope under [hardware.wheel_speed]",
+                "[calibration.wheel_speed] has a slope of {} rad/s per count, whose sign is opposite to the \
+                 expected one: the wheel's speed would be fed back reversed; calibrate the converter again, \
+                 or state the slope with this sign under [hardware.wheel_speed]",
                 significant(found.slope, 4)
             )));
         }
@@ -203,8 +201,8 @@ impl Work<'_> {
             && !(1.0 / DIFFER..=DIFFER).contains(&(found.slope / stated))
         {
             self.warnings.push(format!(
-                "[calibration.wheel_speed] has {} rad/s per count, [hardware.wheel_speed] {}: the \
-                 calibrated one is used",
+                "[calibration.wheel_speed] has a slope of {} rad/s per count, but [hardware.wheel_speed] states \
+                 {}: the calibrated slope is used",
                 significant(found.slope, 4),
                 significant(stated, 4)
             ));
@@ -229,12 +227,12 @@ impl Work<'_> {
                 None => thesis,
                 Some(line) => calibrated_drive(&line, &thesis)?,
             };
-            // A timer with another number of bits has its zero elsewhere.
+            // The zero of a timer with another number of bits lies at another duty.
             let off = f64::from(drive.duty_zero) - f64::from(thesis.duty_zero);
             if off.abs() > (DIFFER - 1.0) * f64::from(thesis.counts()) {
                 return Err(HardwareError::Contradiction(format!(
-                    "the duty without current is {} by [calibration.current] and {} on the bench of the \
-                     thesis: this is another timer, whose range the preset does not know; state \
+                    "the duty at zero current is {} by [calibration.current], but {} on the bench of the \
+                     thesis: the timer is another one, and the preset does not know its range; state \
                      [hardware.drive] with bits, duty_zero, duty_low, duty_high",
                     drive.duty_zero, thesis.duty_zero
                 )));
@@ -293,16 +291,16 @@ impl Work<'_> {
             if ratio <= 0.0 || ratio.is_nan() {
                 return Err(HardwareError::Contradiction(format!(
                     "[calibration.current] and [hardware.drive] disagree about the sign of the \
-                     current ({} and {} A per count): the motor would push the wrong way; flywheel \
-                     bring-up settles which is right",
+                     current ({} and {} A per count): with the wrong one, the motor would push the wrong way; \
+                     flywheel bring-up finds the right one",
                     significant(1.0 / line.slope, 4),
                     significant(stated, 4)
                 )));
             }
             if !(1.0 / DIFFER..=DIFFER).contains(&ratio) {
                 self.warnings.push(format!(
-                    "[calibration.current] has {} A per count, [hardware.drive] {}: the calibrated \
-                     one is used",
+                    "[calibration.current] has {} A per count, but [hardware.drive] states {}: the calibrated \
+                     value is used",
                     significant(1.0 / line.slope, 4),
                     significant(stated, 4)
                 ));
@@ -313,13 +311,13 @@ impl Work<'_> {
                 > (DIFFER - 1.0) * f64::from(high.abs_diff(low)) / 2.0
         {
             self.warnings.push(format!(
-                "the duty without current is {zero} by [calibration.current] and {stated} by \
-                 [hardware.drive]: the calibrated one is used"
+                "the duty at zero current is {zero} by [calibration.current], but {stated} by \
+                 [hardware.drive]: the calibrated duty is used"
             ));
         }
         if !(low < zero && zero < high) {
             return Err(HardwareError::Contradiction(format!(
-                "the duty without current, {zero}, does not lie between duty_low = {low} and \
+                "the duty at zero current, {zero}, must lie between duty_low = {low} and \
                  duty_high = {high} of [hardware.drive]"
             )));
         }
@@ -333,8 +331,8 @@ impl Work<'_> {
         }))
     }
 
-    /// A voltage drive. Its duty is a number that the firmware hands on as a voltage: where nothing else is stated, the
-    /// timer's whole range about its middle is the supply's voltage both ways.
+    /// A voltage drive. The firmware passes the duty to the drive as a voltage. If duties are not stated, zero volts
+    /// lie in the middle of the timer's range, and its ends are ± the supply voltage.
     fn voltage_drive(
         &mut self,
         stated: &Drive,
@@ -343,8 +341,8 @@ impl Work<'_> {
     ) -> Result<Option<PwmDrive>, HardwareError> {
         let Some(back_emf_v_s) = self.torque_constant else {
             self.missing.push(
-                "torque_constant in N m/A, without which the back-EMF of a motor behind a voltage drive is unknown \
-                 (masses and lengths under [known])"
+                "torque_constant in N m/A, which is also the back-EMF of a motor behind a voltage drive (it follows \
+                 from masses and lengths under [known])"
                     .to_owned(),
             );
             return Ok(None);
@@ -360,12 +358,12 @@ impl Work<'_> {
         let high = stated.duty_high.unwrap_or(zero + reach);
         if !(low < zero && zero < high) {
             return Err(HardwareError::Contradiction(format!(
-                "the duty at 0 V, {zero}, does not lie between {low} and {high}"
+                "the duty at 0 V, {zero}, must lie between duty_low = {low} and duty_high = {high} of [hardware.drive]"
             )));
         }
         let counts = f64::from((zero - low).min(high - zero));
         let volts_per_count = match (calibrated, stated.amperes_per_count) {
-            // A current at standstill: V = R i.
+            // The calibration was made at standstill, where V = R i.
             (Some(line), _) => winding_ohm / line.slope,
             (None, Some(stated)) => stated,
             (None, None) => supply_v / counts,
@@ -375,12 +373,13 @@ impl Work<'_> {
                 "[calibration.current] has a slope of zero".to_owned(),
             ));
         }
-        // No more than the supply gives.
+        // The number of counts within the supply voltage.
         let within = (supply_v / volts_per_count.abs() * (1.0 + 1e-12)).floor();
         let within = within.clamp(0.0, f64::from(u16::MAX)) as u16;
         if within == 0 {
             return Err(HardwareError::Contradiction(format!(
-                "one count of [hardware.drive], {} V, is more than its supply_voltage",
+                "one count of [hardware.drive], {} V, is more than its supply_voltage; correct supply_voltage, \
+                 bits or the calibration of the current",
                 significant(volts_per_count.abs(), 4)
             )));
         }
@@ -414,8 +413,9 @@ impl Work<'_> {
     }
 }
 
-/// The count at which the wheel's speed counts as unknown: at 105 % of the largest speed, which is the stated one or that
-/// at which a voltage drive has no voltage left, at most where the sensor ends.
+/// The count from which on the wheel's speed counts as unknown. It lies at 105 % of the largest speed, but not beyond
+/// the end of the sensor's range. The largest speed is the stated one, or else the speed at which the back-EMF equals
+/// the supply of a voltage drive.
 fn ends(
     rad_s_per_count: f64,
     sensor_end: i32,
@@ -430,7 +430,8 @@ fn ends(
     let counts = (LARGEST_SHARE * largest / rad_s_per_count.abs()).floor();
     if counts < 2.0 {
         return Err(HardwareError::Contradiction(format!(
-            "[hardware.wheel_speed]: one count is {} rad/s, and the wheel turns at {} rad/s at most",
+            "[hardware.wheel_speed]: one count is {} rad/s, too coarse for a wheel that turns at {} rad/s at most; \
+             correct the scale, use a longer window, or an encoder with more counts per turn",
             significant(rad_s_per_count.abs(), 4),
             significant(largest, 4)
         )));
@@ -438,7 +439,7 @@ fn ends(
     Ok(counts.min(f64::from(sensor_end)) as i32)
 }
 
-/// `preset` with the calibrated line.
+/// The drive of `preset` with the calibrated line from current to duty.
 fn calibrated_drive(line: &LineCalibration, preset: &PwmDrive) -> Result<PwmDrive, HardwareError> {
     if !line.slope.is_finite() || line.slope == 0.0 {
         return Err(HardwareError::Contradiction(

@@ -35,7 +35,7 @@ pub struct SensorCalibrationReport {
     pub centre_of_mass: Option<PlumbedCentre>,
     /// Warnings about results that are not reliable, with remedies; sentences.
     pub warnings: Vec<String>,
-    /// The magnetometer's samples before and after.
+    /// The magnetometer's samples before and after calibration.
     #[serde(skip)]
     pub magnetometer_points: Option<MagnetometerPoints>,
     /// The results as they are written to model.toml.
@@ -46,15 +46,15 @@ pub struct SensorCalibrationReport {
 /// A three-axis sensor: value = matrix (counts − bias).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CalibratedSensor {
-    /// Unit of the value.
+    /// Unit of the calibrated value.
     pub unit_per_count: String,
     /// Bias, counts.
     pub bias_counts: [f64; 3],
     /// Standard errors of the bias, counts.
     pub bias_std: [f64; 3],
-    /// The matrix, row by row.
+    /// The matrix, row by row, in the unit of the value per count.
     pub matrix: [[f64; 3]; 3],
-    /// Standard errors; zero for entries that are not identified.
+    /// Standard errors of the matrix; zero for entries that are not identified.
     pub matrix_std: [[f64; 3]; 3],
     /// Quality of the fit by name: residual, condition, coverage, noise, …
     pub quality: Vec<(String, f64)>,
@@ -78,11 +78,11 @@ pub struct SensorMounting {
 pub struct LeverArmReport {
     /// The position that goes into the model, m, if there is one.
     pub position_m: Option<[f64; 2]>,
-    /// Its standard errors.
+    /// Standard errors of that position, m.
     pub position_std_m: Option<[f64; 2]>,
     /// The position measured with a ruler, m, if it was.
     pub stated_m: Option<[f64; 2]>,
-    /// Its standard errors.
+    /// Standard errors of the position by the ruler, m.
     pub stated_std_m: Option<[f64; 2]>,
     /// The position from the accelerations of the swing.
     pub from_swing: Option<LeverArmOfSwing>,
@@ -97,24 +97,24 @@ pub struct LeverArmOfSwing {
     pub position_std_m: [f64; 2],
     /// Scale error s of the gyroscope: the true rate about the pivot axis is (1 + s) times the calibrated one.
     pub gyro_scale_error: f64,
-    /// Its standard error.
+    /// Standard error of the scale error.
     pub gyro_scale_error_std: f64,
     /// Standard deviation of the residual of the acceleration, m/s².
     pub residual_std_m_s2: f64,
 }
 
-/// A straight line with its standard errors.
+/// A straight line with its standard errors; x and y have the units of the calibration that gave it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CalibratedLine {
-    /// Slope.
+    /// Slope, unit of y per unit of x.
     pub slope: f64,
-    /// Its standard error.
+    /// Standard error of the slope.
     pub slope_std: f64,
-    /// Value at zero.
+    /// y at x = 0, unit of y.
     pub offset: f64,
-    /// Its standard error.
+    /// Standard error of the offset, unit of y.
     pub offset_std: f64,
-    /// Standard deviation of the points about the line.
+    /// Standard deviation of the points about the line, unit of y.
     pub residual_std: f64,
 }
 
@@ -129,7 +129,7 @@ pub struct PlumbedCentre {
     pub pivot_to_com_std_m: f64,
     /// Largest angle between two of the lines.
     pub crossing_angle_rad: f64,
-    /// Distance of each line from it, m.
+    /// Distance of each line from the centre of mass, m.
     pub residuals_m: Vec<f64>,
 }
 

@@ -19,7 +19,7 @@ const MAGNETOMETER_UT_PER_COUNT: f64 = 0.1;
 /// 15° from upright, such an error tilts the apparent vertical by a third of a degree.
 const LEVER_ARM_STD_MAX_M: f64 = 2e-3;
 
-/// Standard errors beyond which ruler and swing contradict each other.
+/// Ruler and swing contradict each other if they differ by more than this many standard errors.
 const CONTRADICTION: f64 = 4.0;
 
 /// Largest scale error of a gyroscope. A larger one means another range or a mistake: data sheets
@@ -108,8 +108,9 @@ impl Work<'_> {
         ];
         if !found.is_covered() {
             self.report.warnings.push(format!(
-                "the magnetometer was turned through {:.0} % of all directions only ({:.0} % are \
-                 needed): bias and scale along the missing ones are not trustworthy",
+                "the magnetometer was turned through only {:.0} % of all directions ({:.0} % are \
+                 needed): bias and scale along the missing directions are not reliable; turn it through \
+                 all directions and record again",
                 100.0 * found.coverage,
                 100.0 * ::calibrate::COVERAGE_MIN
             ));
@@ -247,7 +248,7 @@ impl Work<'_> {
             if found.gyro_scale_error.abs() > SCALE_ERROR_MAX.max(certain) {
                 self.report.warnings.push(format!(
                     "according to the swing, the rate about the pivot is {} times the rate by gyroscope_scale; \
-                     look up the sensor's range",
+                     look up the range to which the sensor is set",
                     significant(1.0 + found.gyro_scale_error, 3)
                 ));
             }
@@ -261,7 +262,8 @@ impl Work<'_> {
                     });
                     if contradict {
                         self.report.warnings.push(
-                            "the stated lever arm contradicts the swing; the stated one is used"
+                            "the stated lever arm contradicts the swing; the stated one is used; measure it again \
+                             from the pivot to the chip"
                                 .to_owned(),
                         );
                     }
@@ -330,8 +332,9 @@ impl Work<'_> {
             return;
         };
         self.report.warnings.push(format!(
-            "{} points of {what} do not lie on the line of the others and were left out (at {} {unit} \
-             by {} {result}): they are at the ends of its range, or mistakes; use it only between them",
+            "{} points of {what} do not lie on the line of the others and were left out (the worst, at {} {unit}, \
+             is off by {} {result}): they lie at the ends of the range, or are mistakes; use {what} only between \
+             these ends",
             line.left_out.len(),
             significant(worst.x, 5),
             significant(worst.residual.abs(), 3)

@@ -154,7 +154,7 @@ struct Laws<'a> {
     /// The sensors that the module's constants describe, with the bias that remains after a calibration.
     sensors: RawSensors,
     spec: ModuleSpec,
-    /// P of the set in which no command saturates, if the certificate states one.
+    /// The matrix P of the certificate's ellipsoid xᵀ P x ≤ 1, in which no command saturates, if it has one.
     ellipsoid: Option<Matrix3<f64>>,
 }
 
@@ -255,7 +255,7 @@ impl<'a> Laws<'a> {
         Ok(runs)
     }
 
-    /// What [hardware] says of the pace of the inertial sensors, and the model of the gyroscope's filter.
+    /// Rates and filters of the inertial sensors: rates by [hardware], filters by the model's effects.
     fn sensor_pace(&self) -> SensorPace {
         let hardware = self.designed.file().hardware.as_ref();
         let accelerometer = hardware.and_then(|hardware| hardware.accelerometer.as_ref());
@@ -303,8 +303,8 @@ impl<'a> Laws<'a> {
 
     /// The methods for the angle on one free swing (thesis figure 3.3).
     fn attitude_filters(&self) -> Result<FilterRun, Error> {
-        // On the pivot, an accelerometer alone would be enough; away from it, it measures the swing's acceleration. If the
-        // model does not state the sensor's position, one away from the pivot is used.
+        // On the pivot, an accelerometer alone would be enough; away from it, it measures the swing's acceleration. If
+        // the model does not state the sensor's position, one away from the pivot is used.
         let thesis = AttitudeSpec::thesis();
         let own = self.spec.hardware.attitude().unwrap_or(&thesis);
         let stated = own.lever_arm_m;

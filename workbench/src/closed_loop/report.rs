@@ -55,7 +55,7 @@ pub struct SimulationReport {
 pub struct LoopRun {
     /// Its name.
     pub scenario: String,
-    /// What happens in it, in one sentence.
+    /// The course of the run, in one sentence.
     pub about: String,
     /// Whether the body fell.
     pub fell: bool,
@@ -69,7 +69,7 @@ pub struct LoopRun {
     pub settling_s: f64,
     /// Largest difference of the angle between the emitted and the exact law.
     pub difference_angle_rad: f64,
-    /// The same of the current.
+    /// Largest difference of the current between the emitted and the exact law.
     pub difference_current_a: f64,
     /// The pushes on the body: time (s) and impulse (N m s).
     #[serde(skip)]
@@ -120,7 +120,7 @@ pub struct AttractionRegion {
     pub size: f64,
     /// Smallest size with a start without return.
     pub lost_size: f64,
-    /// That start: rad, rad/s, rad/s.
+    /// The start of this size that did not return: rad, rad/s, rad/s.
     pub lost: [f64; 3],
     /// Largest angle, rate and wheel speed of the set: rad, rad/s, rad/s.
     pub extents: [f64; 3],
@@ -198,7 +198,7 @@ pub struct LoopOverlay {
     pub found: Option<LoggedLoop>,
 }
 
-/// A channel of an overlay in numbers; SI units.
+/// A channel of an overlay in numbers, in the SI unit of the channel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OverlayStatistics {
     /// angle, rate, wheel_speed or current.

@@ -30,7 +30,7 @@ pub struct DiagnosisReport {
     /// The model of the last step.
     #[serde(rename = "final")]
     pub last_model: FinalModel,
-    /// The provisional effects among them: an experiment must decide about them.
+    /// The provisional effects of the last model: an experiment must decide about them.
     pub provisional: Vec<String>,
     /// Which data were held out from the fit for the held-out predictions.
     pub held_out_by: HeldOutBy,
@@ -40,19 +40,20 @@ pub struct DiagnosisReport {
     pub ambiguous_between: Vec<Vec<String>>,
     /// The experiment that would settle an open question; empty if no question is open.
     pub next_experiment: String,
-    /// The torque that is missing, over the coordinate that describes it best; `None` where nothing is unexplained,
-    /// or no curve predicts anything of it.
+    /// The torque that the last model lacks, over the coordinate that describes it best. `None` if nothing is
+    /// unexplained, or if no curve predicts a part of this torque.
     #[serde(default)]
     pub missing_torque: Option<MissingTorque>,
-    /// The last model with the learned curves that the model had before; `None` where it had none, or they are no
-    /// longer needed. A curve explains nothing: the verdict is that on the model without it.
+    /// The last model with the learned curves that the diagnosed model had; `None` if it had none, or if they are no
+    /// longer needed. A curve explains nothing, so the verdict is about the model without curves.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub with_learned: Option<DiagnosisStep>,
-    /// The same step by step, with what each explanation would show; `None` where no experiment
-    /// tells them apart. Not part of the JSON, which has the sentence.
+    /// The next experiment as a recipe: its steps, and the result that each explanation predicts. `None` if no
+    /// experiment tells the explanations apart. The JSON has only the sentence [`DiagnosisReport::next_experiment`].
     #[serde(skip)]
     pub recipe: Option<Recipe>,
-    /// How large what no effect explains is, and whether it matters; `None` where nothing is unexplained.
+    /// The size of the unexplained residual and its effect on the controlled pendulum; `None` if nothing is
+    /// unexplained.
     pub remains: Option<RemainsReport>,
     /// Where the model of the last step fails, the most significant place first.
     #[serde(rename = "where")]

@@ -1,4 +1,4 @@
-//! The diagnosis of a session, and what is made of its result.
+//! The diagnosis of a session, and the change of the session's model by its result.
 
 use bench_files::{ModelFile, Parameter, Tie};
 use diagnose::{Diagnosis, Options, Step, Suspect, Unseen, Verdict};
@@ -32,7 +32,7 @@ impl Session {
         let whole = self
             .model()
             .map_or_else(Model::base, ModelFile::certain_model);
-        // A learned curve explains nothing: what it follows is still to be explained.
+        // A learned curve explains nothing, so the torque that it follows is still to be explained.
         let model = whole.without_learned();
         let identified = self.fit_however(&model, progress)?;
         let fit = &identified.fit;
@@ -60,7 +60,8 @@ impl Session {
         } else if let Some(known) = identify::describe(self.problem(), &step.fit) {
             known
         } else {
-            // The diagnosis may have read the logs differently, without pushes that only it found.
+            // If the diagnosis has left out pushes that it alone found in the logs, its fit does not match the
+            // session's records, and is repeated.
             let start = (step.fit.values.clone(), step.fit.minimum.windows.clone());
             identify::fit_until(self.problem(), &step.fit.model, Some(start), progress)
                 .map_err(|source| self.not_identified(source))?
@@ -134,7 +135,7 @@ impl Session {
         applied
     }
 
-    /// Makes the first model of the diagnosis, refitted, the session's model; unless its fit has failed.
+    /// Makes the refitted first model of the diagnosis the session's model, unless its fit has failed.
     pub fn keep_first_step(&mut self, report: &DiagnosisReport) {
         if let (Some(step), false) = (report.steps.first(), report.has_failed_at_first) {
             self.set_model(self.model_of(step));
@@ -290,7 +291,7 @@ fn held_out(step: &Step) -> PerSeries {
         .collect()
 }
 
-/// The parameters that are the suspect's own.
+/// The parameters that belong to the suspected effect.
 fn own_parameters(mut parameters: Vec<Parameter>, suspect: &Suspect) -> Vec<Parameter> {
     let own = suspect.effect.info().parameters;
     parameters.retain(|parameter| own.iter().any(|info| info.name == parameter.name));

@@ -19,7 +19,7 @@ pub struct NamedLoop<'a> {
     pub name: &'a str,
     /// The design.
     pub report: &'a DesignReport,
-    /// What it does.
+    /// The properties of its loop.
     pub expectations: &'a LoopExpectations,
 }
 
@@ -33,7 +33,7 @@ const ROLES: [LineRole; 6] = [
     LineRole::Other(1),
 ];
 
-/// Answers to a step and to a push, Bode's and Nyquist's plot and, where there are several, their poles. File names
+/// The responses to a step and to a push, the Bode and the Nyquist plot and, for several loops, their poles. File names
 /// begin with `prefix`.
 ///
 /// # Errors
@@ -58,7 +58,7 @@ pub fn loop_drawings(prefix: &str, loops: &[NamedLoop]) -> Result<Vec<OutputFile
             "A torque of {} on the body, from time zero on",
             with_prefix(one.size, &one.unit)
         );
-        let text = answer_figure(&title("a torque that stays"), &size, &steps)?;
+        let text = answer_figure(&title("a constant torque"), &size, &steps)?;
         files.push(OutputFile::svg(&name("step-response"), text));
     }
     if let Some((_, one, _)) = pushes.first() {
@@ -109,7 +109,7 @@ pub fn loop_drawings(prefix: &str, loops: &[NamedLoop]) -> Result<Vec<OutputFile
     Ok(files)
 }
 
-/// Name, answer and colour of the designs that have one.
+/// Name, response and colour of the designs whose response is known.
 fn answers<'a>(
     loops: &[NamedLoop<'a>],
     part: impl Fn(&'a LoopExpectations) -> Option<&'a TorqueAnswer>,
@@ -323,7 +323,7 @@ impl DesignSweep {
             ("phase margin", "°", |point| {
                 point.phase_margin_rad.to_degrees()
             }),
-            ("further delay that it bears", "s", |point| {
+            ("further delay that the loop tolerates", "s", |point| {
                 point.delay_margin_s
             }),
             ("slowest pole, −real part", "1/s", |point| {

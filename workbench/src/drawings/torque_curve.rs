@@ -22,7 +22,7 @@ impl MissingTorque {
         figures::torque_curve(&figures::TorqueCurve {
             title: &format!("{bench}: the torque that the model lacks, over {words}"),
             subtitle: &format!(
-                "On the {}, as it acts; from {}. `{}` puts it into the model.",
+                "Torque on the {}, positive towards positive angles; from {}. `{}` adds it to the model.",
                 self.acts_on,
                 crate::words::set(self.experiments.iter().map(String::as_str)),
                 self.command

@@ -33,7 +33,7 @@ pub enum RecordedExperiment {
 }
 
 impl RecordedExperiment {
-    /// All of them.
+    /// All experiments.
     pub const ALL: &[RecordedExperiment] = &[
         RecordedExperiment::FreeSwing,
         RecordedExperiment::SpinUp,
@@ -45,7 +45,7 @@ impl RecordedExperiment {
         RecordedExperiment::CurrentStep,
     ];
 
-    /// As the command line writes it.
+    /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             RecordedExperiment::FreeSwing => "free-swing",
@@ -143,7 +143,7 @@ impl RecordedExperiment {
         }
     }
 
-    /// The name of a log where none is wished.
+    /// The default name of a log.
     fn log_name(self, current_a: f64) -> String {
         match self {
             RecordedExperiment::SpinUp | RecordedExperiment::CurrentStep => {
@@ -192,7 +192,7 @@ pub(super) struct Stretch {
 /// One log.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Part {
-    /// Its wished name.
+    /// The name that was asked for, or the default name.
     pub name: String,
     pub kind: Kind,
     /// The key under `[bring_up]` of a recording of raw counts; `None` for a log.
@@ -204,7 +204,7 @@ pub(super) struct Part {
     pub needs_running: bool,
     /// Whether the record begins only when the attitude is known.
     pub needs_attitude: bool,
-    /// Before it begins the wheel is nearly at rest.
+    /// Whether the record begins only when the wheel is nearly at rest.
     pub from_rest: bool,
     pub notes: Vec<String>,
 }
@@ -218,13 +218,15 @@ pub(super) fn parts(settings: &RecordSettings, words: &Words) -> Result<Vec<Part
     let seconds = settings.seconds.unwrap_or(experiment.usual_seconds());
     if !(seconds.is_finite() && seconds > 0.0) {
         return Err(format!(
-            "a record of {seconds} s: its length must be positive"
+            "a record cannot last {seconds} s; state a length in s greater than zero"
         ));
     }
     let limit_a = words.current_limit_a;
     let mut currents_a = settings.currents_a.clone();
     if !experiment.takes_current() && !currents_a.is_empty() {
-        return Err(format!("{experiment} takes no current"));
+        return Err(format!(
+            "{experiment} takes no current, because its motor is not driven with a stated current; leave the current out"
+        ));
     }
     if currents_a.is_empty() {
         let usual = experiment.usual_shares().iter();
@@ -237,8 +239,8 @@ pub(super) fn parts(settings: &RecordSettings, words: &Words) -> Result<Vec<Part
     for current_a in &currents_a {
         if !current_a.is_finite() || current_a.abs() > limit_a || *current_a == 0.0 {
             return Err(format!(
-                "a current of {current_a} A: it must lie within ±{limit_a} A, the range of the drive, \
-                 and not be zero"
+                "a current of {current_a} A cannot be driven; state a current within ±{limit_a} A, the current \
+                 limit, and not zero"
             ));
         }
     }

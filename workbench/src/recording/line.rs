@@ -19,7 +19,7 @@ pub(super) struct Line {
     path: PathBuf,
     receiver: Receiver,
     arrived: VecDeque<Telemetry>,
-    /// Number of damaged frames so far: bytes between two zeros that were no frame.
+    /// Number of damaged frames so far: sequences of bytes between two zero bytes that were no valid frame.
     pub damaged: u64,
 }
 
@@ -31,7 +31,8 @@ impl Line {
             // A file, a pipe or another device has no line settings.
             reason: match error.kind() {
                 serialport::ErrorKind::Io(_) if error.description.contains("typewriter") => {
-                    "this is no serial device".to_owned()
+                    "this is no serial device; name the port of the firmware, such as /dev/ttyUSB0"
+                        .to_owned()
                 }
                 _ => format!("cannot be opened: {}", said(&error.description)),
             },
@@ -58,7 +59,7 @@ impl Line {
         }
         let mut bytes = [0; 4096];
         let count = match self.port.read(&mut bytes) {
-            Ok(0) => return Err(self.broken("the device is gone")),
+            Ok(0) => return Err(self.broken("the device has disappeared; check its cable")),
             Ok(count) => count,
             Err(error) if matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::Interrupted) => 0,
             Err(error) => return Err(self.broken(&said(&error.to_string()))),

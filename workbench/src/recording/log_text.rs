@@ -16,8 +16,8 @@ pub(super) fn log(kind: Kind, rows: &[Row], words: &Words) -> String {
     for row in rows {
         let from_upright_rad = words.angle_from_upright_rad(&row.frame);
         let angle_rad = match kind {
-            // While the body is driven it stands upright, because the controller arms only there. While it hangs, the
-            // words jump by a turn.
+            // In these experiments the body is upright, because the controller arms only there. The word of the angle
+            // jumps by a turn where the body hangs.
             Kind::Balance | Kind::SpinUp => PI + from_upright_rad,
             _ => hanging_angle_rad(from_upright_rad),
         };

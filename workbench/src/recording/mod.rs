@@ -1,7 +1,7 @@
 //! From the firmware's frames on a serial line to a log of the bench.
 //!
-//! The program asks for a task (watch, balance, drive) and keeps asking, since the firmware lets the
-//! motor go when the asking stops. Every frame becomes a row; frames that did not arrive are counted
+//! The program commands a task (watch, balance, drive) and repeats the command, because the firmware switches the
+//! motor off when the commands stop. Every frame becomes a row; frames that did not arrive are counted
 //! by their sequence numbers and marked in the row that follows them.
 
 mod experiment;
@@ -32,18 +32,18 @@ use words::Words;
 pub struct RecordSettings {
     /// The serial device.
     pub port: PathBuf,
-    /// Bits a second; of no account on a USB port of the chip itself.
+    /// Bits per second; without effect on a USB port of the chip itself.
     pub baud: u32,
     /// The experiment.
     pub experiment: RecordedExperiment,
-    /// Currents, A: for `spin-up` each gives a log of its own, `coast-down` and `current-step` take the
-    /// first. Empty: [`RecordedExperiment::usual_currents_a`].
+    /// Currents, A. `spin-up` records one log for each; `coast-down` and `current-step` use the first. If empty, the
+    /// currents are the usual shares of the current limit.
     pub currents_a: Vec<f64>,
     /// Length of a log, s; `None`: [`RecordedExperiment::usual_seconds`].
     pub seconds: Option<f64>,
     /// The log's name; `None`: after the experiment.
     pub name: Option<String>,
-    /// Every how many steps of the controller a row is recorded; 0 counts as 1.
+    /// A row is recorded in one of this many steps of the controller; 0 counts as 1.
     pub every: u8,
     /// The emitted crate that runs in the firmware. With `None`, the words of the frames are taken from `[hardware]`;
     /// they agree with the firmware unless `[hardware]` was changed after the module was generated.
@@ -77,21 +77,21 @@ pub struct RecordedLog {
     pub duration_s: f64,
     /// Frames that the firmware sent in that time and that did not arrive whole.
     pub lost_frames: u64,
-    /// Pieces between two ends of frames that were not a valid frame.
+    /// Number of damaged frames: sequences of bytes between two ends of frames that were no valid frame.
     pub damaged_frames: u64,
-    /// Where the experiment begins in the log (`from`), s.
+    /// Time in the log at which the experiment begins (`from`), s.
     pub from_s: Option<f64>,
-    /// Why the record ended.
+    /// The reason why the record ended.
     pub end: RecordEnd,
     /// Remarks for the user; sentences.
     pub notes: Vec<String>,
 }
 
-/// Fewest rows of a log that is worth keeping: below it nothing was recorded.
+/// Smallest number of rows of a log that is written.
 const ROWS_MIN: usize = bench_files::MIN_SAMPLES;
 
-/// Records an experiment and adds it to the bench.toml of `bench` (its folder, or that file). `sample` is
-/// told of every frame as it comes. Calling it off ends the record, and what was recorded is kept.
+/// Records an experiment and adds it to the bench.toml of `bench` (its folder, or that file). `sample` is called with
+/// every frame as it arrives. Cancelling ends the record, and the rows so far are written.
 ///
 /// # Errors
 /// A bench.toml that cannot be read, hardware that is not stated ([`Error::Hardware`]), a port that
@@ -117,7 +117,7 @@ pub fn record(
         run.let_go();
         let got = match got {
             Ok(got) => got,
-            // What was recorded before stays.
+            // The logs that were recorded before the error are kept.
             Err(error) if logs.is_empty() => return Err(error),
             Err(_) => break,
         };
@@ -132,7 +132,7 @@ pub fn record(
             return Err(Error::Record {
                 port: settings.port.clone(),
                 reason: format!(
-                    "only {} frames came: nothing was written ({})",
+                    "only {} frames came, fewer than the {ROWS_MIN} that a log needs: nothing was written ({})",
                     got.rows.len(),
                     got.end
                 ),

@@ -13,20 +13,20 @@ use super::line::Line;
 use super::words::Words;
 use crate::error::Error;
 
-/// Time for which the firmware goes on driving the motor after the last command, ms.
+/// Time for which the firmware continues to drive the motor after the last command, ms.
 const LEASE_MS: u16 = 1000;
 /// Interval of the repeated commands. Several in a row must be lost before the lease ends.
 const RENEWAL: Duration = Duration::from_millis(100);
 /// The line counts as silent after this time without a frame.
 const SILENCE: Duration = Duration::from_secs(3);
-/// How long the recording waits for a person to hold the body where the controller arms.
+/// Longest wait for the first row, in which a person may have to hold the body where the controller arms.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Longest wait for a wheel to come to rest. It takes a minute or two, unless a hand stops the wheel.
+/// Longest wait for a wheel to come to rest. A wheel that no hand stops coasts for a minute or two.
 const REST_PATIENCE: Duration = Duration::from_secs(180);
 /// A wheel slower than this (rad/s) counts as at rest. The fit of a spin-up estimates the wheel's speed at the first
 /// sample, so the log need not begin at exactly zero.
 const REST_RAD_S: f64 = 10.0;
-/// A gap in the time stamps of two frames, in µs, that means that the firmware has restarted.
+/// If the time stamps of two frames differ by more than this, in µs, the firmware has restarted.
 const RESTART_US: u32 = 10_000_000;
 
 /// Status words of the emitted module.
@@ -55,41 +55,41 @@ pub(super) fn status_text(status: u8) -> String {
     text.to_owned()
 }
 
-/// Why a record ended.
+/// The reason why a record ended.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RecordEnd {
-    /// The time was over.
+    /// The record has its full length.
     Complete,
-    /// The user ended it.
+    /// The user ended the record.
     CalledOff,
-    /// The controller stopped running; its status.
+    /// The controller stopped running; with its status.
     NotRunning(u8),
     /// The wheel reached the largest speed that its sensor shows.
     WheelBeyondSensor,
-    /// No frame came any more.
+    /// No more frames came.
     Silent,
-    /// The firmware began anew.
+    /// The firmware restarted.
     Restarted,
 }
 
 impl fmt::Display for RecordEnd {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            RecordEnd::Complete => f.write_str("the time was over"),
+            RecordEnd::Complete => f.write_str("full length"),
             RecordEnd::CalledOff => f.write_str("called off by the user"),
             RecordEnd::NotRunning(READY) => f.write_str("the controller was disarmed"),
             RecordEnd::NotRunning(status) => f.write_str(&status_text(*status)),
             RecordEnd::WheelBeyondSensor => {
-                f.write_str("the wheel reached the end of what its sensor shows")
+                f.write_str("the wheel reached the largest speed that its sensor shows")
             }
             RecordEnd::Silent => f.write_str("the line fell silent"),
-            RecordEnd::Restarted => f.write_str("the firmware began anew"),
+            RecordEnd::Restarted => f.write_str("the firmware restarted"),
         }
     }
 }
 
-/// One frame in SI units, as it comes.
+/// One frame in SI units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RecordedSample {
     /// Time since the record began, s; `None` before that.
@@ -109,7 +109,7 @@ pub struct RecordedSample {
 /// A row of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Row {
-    /// Since the first row, s.
+    /// Time since the first row, s.
     pub time_s: f64,
     pub frame: Telemetry,
     /// Number of frames that were lost between the row before and this one.
@@ -180,7 +180,8 @@ impl<'w> Run<'w> {
         Ok(got)
     }
 
-    /// Asks the firmware to switch the motor off. If the firmware does not receive this, the lease ends all the same.
+    /// Asks the firmware to switch the motor off. If the firmware does not receive this command, it switches the motor
+    /// off when the lease ends.
     pub fn let_go(&mut self) {
         self.ask(Task::Watch, false);
         for _ in 0..3 {
@@ -258,8 +259,8 @@ impl<'w> Run<'w> {
             ));
         }
         Err(self.line.broken(
-            "the wheel does not come to rest: stop it by hand; if it stands still, its sensor's line \
-             under [hardware.wheel_speed] is not right",
+            "the wheel does not come to rest: stop it by hand; if it stands still, its speed is measured wrongly: \
+             correct [hardware.wheel_speed]",
         ))
     }
 
@@ -329,7 +330,7 @@ impl<'w> Run<'w> {
                 if part.kind == Kind::SpinUp && self.words.is_wheel_unknown(&frame) {
                     return Ok(RecordEnd::WheelBeyondSensor);
                 }
-                // A frame that came twice is one.
+                // A frame that arrives twice gives one row.
                 if rows.is_empty() || step_us > 0 {
                     passed_us += u64::from(step_us);
                     time_s = passed_us as f64 / 1e6;
@@ -410,7 +411,7 @@ mod tests {
             (65_534, 1, 1, 2),
             (10, 15, 5, 0),
             (10, 30, 5, 3),
-            // A firmware that does not thin its frames.
+            // A firmware that sends a frame in every step.
             (10, 11, 5, 0),
         ] {
             assert_eq!(lost_between(&frame(last), &frame(next), every), lost);

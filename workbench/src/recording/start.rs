@@ -1,14 +1,14 @@
-//! Where in its log an experiment begins.
+//! The time in a log at which its experiment begins.
 
 use super::experiment::{Part, RecordedExperiment};
 use super::log_text::hanging_angle_rad;
 use super::run::Row;
 use super::words::Words;
 
-/// A swing below this is none, rad: three degrees.
+/// Smallest amplitude of a swing, rad: three degrees.
 const SWING_MIN_RAD: f64 = 0.05;
 
-/// The first time to use, s; `None`: all of it.
+/// The first time of the log to use, s; `None` for the whole log.
 pub(super) fn of(part: &Part, rows: &[Row], words: &Words, notes: &mut Vec<String>) -> Option<f64> {
     match part.experiment {
         RecordedExperiment::FreeSwing => {
@@ -36,8 +36,8 @@ pub(super) fn of(part: &Part, rows: &[Row], words: &Words, notes: &mut Vec<Strin
     }
 }
 
-/// The first turning point after the body has swung through from its largest angle: by then the hand is
-/// gone, wherever it let go.
+/// The index of the first turning point after the body has swung through from its largest angle. By then the hand has
+/// let go, wherever it did so.
 fn free_from(angles_rad: &[f64]) -> Option<usize> {
     let largest = (0..angles_rad.len())
         .max_by(|a, b| angles_rad[*a].abs().total_cmp(&angles_rad[*b].abs()))?;

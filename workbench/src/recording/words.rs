@@ -15,16 +15,17 @@ use crate::error::Error;
 /// The units of the words of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Words {
-    /// rad, rad/s, rad/s per unit of the angle's, the rate's and the wheel speed's word.
+    /// Size of one unit of the words of angle (rad), rate (rad/s) and wheel speed (rad/s).
     units: [f64; 3],
     drive: PwmDrive,
-    /// Whether an encoder on the pivot shows the body: the frame then has its count in the place of the gyroscope's x.
+    /// Whether an encoder on the pivot measures the body. The frame then has its count in place of the gyroscope's x.
     pub has_pivot_encoder: bool,
     /// Whether the wheel's word has a sign.
     is_wheel_signed: bool,
-    /// Counts at or beyond which the wheel's speed may be any; `None` for an encoder, of which one count says nothing.
+    /// Lowest and highest count of the wheel's sensor, at or beyond which the speed is unknown; `None` for an encoder,
+    /// whose single count shows no speed.
     wheel_ends: Option<(i32, i32)>,
-    /// Largest current that the drive is asked for, A.
+    /// Largest current that the controller commands, A.
     pub current_limit_a: f64,
 }
 
@@ -59,7 +60,8 @@ impl Words {
                 .map(|format| 0.5f64.powi(format.fraction_bits as i32))
                 .ok_or_else(|| {
                     refused(HardwareError::Contradiction(format!(
-                        "the range of the {what}, {range}, has no format of 32 bits"
+                        "the range of the {what}, {range}, does not fit a word of 32 bits; correct the sensor's scale \
+                         under [hardware]"
                     )))
                 })
         };
@@ -106,8 +108,8 @@ impl Words {
         f64::from(frame.wheel_speed) * self.units[2]
     }
 
-    /// The current that the duty asks the drive for, A; of a voltage drive, the current that its voltage drives through
-    /// the winding at the measured wheel speed.
+    /// The current that the duty commands, A. For a voltage drive, the current that the voltage drives through the
+    /// winding at the measured wheel speed.
     pub fn current_a(&self, frame: &Telemetry) -> f64 {
         let counts = f64::from(frame.duty) - f64::from(self.drive.duty_zero);
         let of_back_emf = self.drive.voltage.map_or(0.0, |voltage| {

@@ -38,7 +38,7 @@ pub fn session() -> Session {
     Session::from_files(&files).expect("a bench")
 }
 
-/// Nobody watches, nobody stops.
+/// Progress that is not shown and never cancels.
 pub fn silent() -> Progress<'static> {
     Progress::silent()
 }

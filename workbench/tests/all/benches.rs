@@ -1,4 +1,4 @@
-//! Benches with the sensors and drives that people have: each is emitted, proved, and balances in the simulation.
+//! Benches with common sensors and drives: each controller is emitted, proved, and balances in the simulation.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ const DRIVER: &str =
     "[hardware.wheel_speed]\nkind = \"driver\"\nscale = 0.1047198\nlargest = 700.0\n";
 pub(crate) const WHEEL_ENCODER: &str =
     "[hardware.wheel_speed]\nkind = \"encoder\"\npart = \"AS5600\"\nwindow = 8\n";
-/// It counts backwards.
+/// An encoder on the wheel that counts backwards.
 const REVERSED_ENCODER: &str = "[hardware.wheel_speed]\nkind = \"encoder\"\npart = \"AS5600\"\n\
      counts_per_turn = -4096\nwindow = 5\nlargest = 600.0\n";
 pub(crate) const CURRENT: &str =
@@ -24,10 +24,10 @@ pub(crate) const CURRENT: &str =
 pub(crate) const VOLTAGE: &str = "[hardware.drive]\npart = \"SimpleFOC voltage\"\nsupply_voltage = 24.0\n\
      winding_resistance = 2.3\n";
 
-/// On the pivot, in place of gyroscope and accelerometer.
+/// An encoder on the pivot, in place of gyroscope and accelerometer.
 pub(crate) const PIVOT_ENCODER: &str =
     "[hardware.angle]\nkind = \"encoder\"\npart = \"AS5600\"\nzero = 2048\n";
-/// It counts backwards, and upright is near the end of its count.
+/// An encoder on the pivot that counts backwards; the count upright is near the end of its range.
 const REVERSED_PIVOT: &str = "[hardware.angle]\nkind = \"encoder\"\ncounts_per_turn = -16384\nbits = 14\n\
      zero = 16380\n";
 
@@ -61,13 +61,14 @@ fn text<'a>(controller: &'a GeneratedController, path: &str) -> &'a str {
     found.map_or("", |(_, text)| text)
 }
 
-/// Emits the bench (into the folder that `FLYWHEEL_WRITE_BENCHES` names, if it does), proves it with nothing that fails, and lets it balance for half a minute with pushes. The claims that
-/// are not run are these, each with its reason.
+/// Emits the controller of a bench (also into the folder that `FLYWHEEL_WRITE_BENCHES` names, if it is set), proves
+/// it, and lets it balance for half a minute with pushes. No claim may fail, and exactly the claims in `not_run` are
+/// not run.
 fn holds(name: &str, hardware: &[&str], not_run: &[&str]) -> GeneratedController {
     holds_with(name, hardware, not_run, true)
 }
 
-/// As [`holds`]; without the closed loop's bounds, which take long, where `closed_loop` says so.
+/// Does the same as [`holds`]. The bounds of the closed loop, which take long, are proved only if `closed_loop` is set.
 fn holds_with(
     name: &str,
     hardware: &[&str],
@@ -84,14 +85,14 @@ fn holds_with(
     let settings = ProofSettings {
         cases: 3_000,
         seed: 7,
-        // That is the work of the audit, which is given what this test writes.
+        // The audit checks the texts that this test writes.
         audited_texts: false,
         compiled: false,
         smt: false,
         kani: false,
         python: false,
         closed_loop,
-        // Neither the wheel's sensor nor the drive is in the filter: one of these benches stands for all.
+        // The filter does not depend on the wheel's sensor and the drive: its claim is proved for one of these benches.
         filter_length: name == "hobby",
         ..ProofSettings::default()
     };
@@ -170,7 +171,7 @@ fn everything_that_a_hobby_bench_has() {
     holds("hobby", &[INERTIAL, WHEEL_ENCODER, VOLTAGE], &[]);
 }
 
-/// What is not proved of the loop with an encoder on the pivot: the certificate states no ellipsoid for it.
+/// The claims that are not run for an encoder on the pivot, because the certificate then states no ellipsoid.
 const LATE_RATE: [&str; 2] = ["closed-loop-for-all-time", "region-of-attraction"];
 
 /// The encoder of the pivot with every sensor of the wheel and both drives.
@@ -189,7 +190,7 @@ const ON_THE_PIVOT: [(&str, [&str; 3]); 6] = [
     ),
 ];
 
-/// Each is emitted, proved but for the bounds of its loop, and balances.
+/// Each controller is emitted, proved except for the bounds of its loop, and balances.
 #[test]
 fn an_encoder_on_the_pivot() {
     for (name, hardware) in ON_THE_PIVOT {
@@ -200,7 +201,7 @@ fn an_encoder_on_the_pivot() {
     }
 }
 
-/// The bounds of the loop from counts to duty, for each of them.
+/// Proves the bounds of the loop from counts to duty for each of these benches.
 #[test]
 #[ignore = "run apart: half a minute and more"]
 fn the_loop_with_an_encoder_on_the_pivot_is_bounded() {
@@ -209,8 +210,8 @@ fn the_loop_with_an_encoder_on_the_pivot_is_bounded() {
     }
 }
 
-/// A loop that is stable with a rate at once, and not with one that is half a window late, is not emitted; nor is an
-/// observer of a bias that an encoder does not have.
+/// A loop that is stable with a rate without delay, but unstable with a rate that is half a window late, is not
+/// emitted. Neither is an observer of the angle's bias, which needs inertial sensors.
 #[test]
 fn what_an_encoder_on_the_pivot_cannot_do_is_refused() {
     let hardware = [PIVOT_ENCODER, CONVERTER, CURRENT];

@@ -11,10 +11,10 @@ const G: f64 = 9.80665;
 const GYRO: f64 = 0.0625 * std::f64::consts::PI / 180.0;
 const ACCEL: f64 = G / 4096.0;
 
-/// A bench as it truly is.
+/// The true properties of a simulated bench.
 #[derive(Clone, Copy)]
 struct Truth {
-    /// From the axes of gyroscope and accelerometer to the body's.
+    /// The rotation from the axes of gyroscope and accelerometer to those of the body.
     gyro: Matrix3<f64>,
     accel: Matrix3<f64>,
     wheel_per_count: f64,
@@ -267,7 +267,8 @@ fn recordings_that_are_swapped_or_in_which_nothing_moves_are_named() {
     assert_eq!(nothing.signs, workbench::BringUpSigns::default());
 }
 
-/// The noise of a cheap sensor ten times over changes nothing; a chip that sits 10° aslant is still named.
+/// Ten times the noise of a cheap sensor changes no result, and the axes of a chip that is tilted by 10° are still
+/// named.
 #[test]
 fn noise_and_an_aslant_chip_are_borne() {
     let turn = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), 10_f64.to_radians());

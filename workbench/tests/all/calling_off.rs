@@ -1,4 +1,4 @@
-//! Long work ends when its caller says so.
+//! Long work ends soon after its caller cancels it.
 
 use std::fs;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -30,7 +30,7 @@ fn a_diagnosis_that_is_called_off_leaves_everything_as_it_was() {
     };
     let (before, model) = (listed(), session.model().cloned());
 
-    // At once, and after it has begun.
+    // Cancelled before the work begins, and after it has begun.
     for allowed in [0, 3] {
         let asked = AtomicUsize::new(0);
         let cancelled = || asked.fetch_add(1, Ordering::Relaxed) >= allowed;

@@ -65,8 +65,9 @@ fn drive(bits: u32, range_a: f64, is_inverted: bool) -> String {
     )
 }
 
-/// Every range of a drive emits, of 16 bits and some of 12 bits inverted. The smallest and the largest range, one that is
-/// just below a power of two, and the inverted ones are proved.
+/// A module is emitted for every range of a drive of 16 bits, and for some of 12 bits with an inverted duty. The
+/// modules of the smallest and the largest range, of one just below a power of two, and of the inverted ones are
+/// proved.
 #[test]
 fn every_drive_emits() {
     let ranges = [0.4, 2.2, 3.2, 3.5, 3.99, 6.5, 7.9, 13.0, 15.9, 30.0];
@@ -84,7 +85,7 @@ fn every_drive_emits() {
     }
 }
 
-/// A range of the duty that is narrow about its middle takes bits from the slope, not the module.
+/// With a narrow range of the duty, the slope has fewer bits; the module is emitted and proved nevertheless.
 #[test]
 fn a_narrow_range_of_the_duty_emits() {
     let narrow = "[hardware.drive]\nkind = \"current\"\nbits = 16\nduty_low = 31000\nduty_zero = 32768\n\
@@ -115,8 +116,8 @@ fn without_hardware_a_simulation_assumes_and_a_controller_does_not() {
     }
 }
 
-/// A sensor that hangs upside down, half a turn about its x axis, and is stated so, balances; with
-/// the same sensor and nothing stated the pendulum falls, and the emitted module does not arm.
+/// A sensor is mounted upside down, turned by half a turn about its x axis. If its axes are stated so, the pendulum
+/// balances; if they are not stated, it falls, and the emitted module does not arm.
 #[test]
 fn an_upside_down_sensor_balances() {
     let half_turn = Matrix3::from_diagonal(&nalgebra::Vector3::new(1.0, -1.0, -1.0));

@@ -1,4 +1,5 @@
-//! Learned curves and own effects in a session: the verdict stays, the error falls, the model stands alone.
+//! Learned curves and own effects in a session: they do not change the verdict, they lower the error, and model.toml
+//! contains all that defines them.
 
 use std::path::Path;
 
@@ -36,7 +37,7 @@ fn session_of(files: Vec<(&'static str, String)>, more: &[(&'static str, String)
     Session::from_files(&files).expect("a bench")
 }
 
-/// The largest error over the noise of its sensor (1.2 mrad and 4 mrad/s).
+/// The largest root mean square error in units of its sensor's noise (1.2 mrad and 4 mrad/s).
 fn worst(rmse: &PerSeries) -> f64 {
     let ratios = rmse.iter().map(|(series, rmse)| match series.channel {
         workbench::Output::Angle => rmse / 1.2e-3,
@@ -58,7 +59,7 @@ fn a_learned_curve_lowers_the_error_and_explains_nothing() {
         "{}",
         found.sentence
     );
-    // The curve is the magnet, but for what gravity has of it; the band says how surely.
+    // The curve is the torque of the magnet, up to the part of it that a changed gravity torque follows.
     let far: Vec<f64> = missing
         .points
         .iter()
@@ -84,7 +85,7 @@ fn a_learned_curve_lowers_the_error_and_explains_nothing() {
     assert!(before > 5.0 && after < 1.5, "{before} -> {after}");
     assert!(change.after.effects.contains(&"learned-angle".to_owned()));
 
-    // The model stands alone: written and read, it predicts the same.
+    // The model that is written and read again makes the same predictions.
     let text = session.model().expect("a model").to_toml();
     assert!(
         text.contains("[learned.angle]") && !text.contains("learned_angle_1"),
@@ -96,13 +97,13 @@ fn a_learned_curve_lowers_the_error_and_explains_nothing() {
     let again = worst(&compared.rmse);
     assert!((again / after - 1.0).abs() < 1e-3, "{after} {again}");
 
-    // No log shows it upright: the controller is that without it.
+    // No log shows the curve upright: the controller is designed without it.
     assert_eq!(
         curve_slopes(&read),
-        ["learned-angle: slope zero, because no log shows it upright"]
+        ["learned-angle: included with slope zero, because no log shows it upright"]
     );
 
-    // Diagnosed again: the same verdict, and the curve is no suspect.
+    // A second diagnosis has the same verdict, and the curve is no suspect.
     let found = session.diagnose(&silent()).expect("a diagnosis");
     assert_eq!(found.verdict, Verdict::Unexplained, "{}", found.sentence);
     assert!(
@@ -134,7 +135,7 @@ fn a_learned_curve_lowers_the_error_and_explains_nothing() {
 
 fn curve_slopes(file: &ModelFile) -> Vec<String> {
     let mut file = file.clone();
-    // The swings know no wheel: what a controller needs of it is taken from the thesis.
+    // The swings show nothing of the wheel; its parameters are taken from the thesis.
     for (name, value) in [
         ("wheel_inertia", 1.36e-4),
         ("torque_constant", 0.0335),
@@ -164,15 +165,15 @@ fn an_effect_of_ones_own_explains_the_magnet() {
     let file = session.model().expect("a model").clone();
     let centre = file.parameter("magnet_centre").expect("a centre").value;
     assert!((centre - 0.15).abs() < 2e-3, "{centre}");
-    // Upright it is a guess, and the model says so.
+    // The torque upright is a guess, which the model states.
     assert!(file.to_toml().contains("unseen_upright = [\"own:magnet\"]"));
     assert_eq!(
         curve_slopes(&file),
-        ["own:magnet: slope zero, because no log shows it upright"]
+        ["own:magnet: included with slope zero, because no log shows it upright"]
     );
 }
 
-/// Beside dry friction, and from a start where the magnet is not: the missing torque shows where it is.
+/// A magnet beside dry friction, with start values far from the magnet: the missing torque shows its position.
 #[test]
 fn the_diagnosis_finds_an_effect_of_ones_own_beside_another() {
     let files = magnet::files_with_dry_friction(3e-4);
@@ -200,8 +201,8 @@ fn the_diagnosis_finds_an_effect_of_ones_own_beside_another() {
     }
 }
 
-/// The fingerprint of the magnet: over the angle the torque is missing without it, in both directions of the motion
-/// alike, as large as it is; with it, nothing is missing there.
+/// The fingerprint of the magnet. Without the effect, the model lacks the magnet's torque over the angle, the same in
+/// both directions of the motion. With the effect, nothing is missing there.
 #[test]
 fn the_fingerprint_of_a_magnet_is_a_torque_over_the_angle() {
     let mut session = session(&[("effects/magnet.toml", OWN.to_owned())]);

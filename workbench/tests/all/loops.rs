@@ -1,4 +1,4 @@
-//! What a loop does, its sweeps, and its export.
+//! The properties of a loop, its sweeps, and its export.
 
 use std::path::Path;
 
@@ -40,8 +40,8 @@ fn weights_and_excursions_are_two_ways_to_say_one_thing() {
     assert!(weights_of_excursions([0.2, 1.0, 1.0, 0.0]).is_err());
 }
 
-/// No law recovers from beyond the angle at which the motor no longer beats gravity; this one from nearly as far. A
-/// delay takes from every margin, and beyond the delay margin there is no loop.
+/// The largest recoverable angle is a little below the angle at which the motor just holds the body. A delay reduces
+/// every margin, and beyond the delay margin the loop is unstable.
 #[test]
 fn a_delay_costs_margin_and_angle() {
     let design = thesis();
@@ -100,14 +100,14 @@ impl ExactLoop {
         self.closed * state + self.torque_input * torque
     }
 
-    /// The largest number that is added up in the next angle.
+    /// The largest term of the sum that gives the next angle.
     fn largest_term(&self, state: &Vector3<f64>) -> f64 {
         self.closed.row(0).component_mul(&state.transpose()).amax()
     }
 }
 
-/// The answer to a steady torque is that of the exact loop at every sample, and gravity holds the torque in the end,
-/// G α = −d; the band of a model with errors holds the nominal answer.
+/// The response to a constant torque d equals that of the exact loop at every sample, and ends at G α = −d, where
+/// gravity balances the torque. The band of a model with errors contains the nominal response.
 #[test]
 fn answers_to_torques_have_bands() {
     let mut session = session();
@@ -144,7 +144,7 @@ fn answers_to_torques_have_bands() {
         let rounding = 8.0 * f64::from(sample.max(1)) * f64::EPSILON * largest_term;
         assert!(difference <= rounding, "{sample}: {difference} {rounding}");
     }
-    // At rest gravity alone carries the torque.
+    // At rest, gravity alone balances the torque.
     for _ in 0..100_000 {
         state = exact.next(&state, step.size);
     }
@@ -166,7 +166,8 @@ fn answers_to_torques_have_bands() {
     {
         assert!(low <= high && *low <= angle + 1e-12 && angle - 1e-12 <= *high);
     }
-    // The swing's log shows the noise of angle and rate, the spin-up's that of the wheel; without a bench it is assumed.
+    // The log of the swing shows the noise of angle and rate, that of the spin-up the noise of the wheel speed.
+    // Without a bench, the noise is assumed.
     let noise = found.noise.as_ref().expect("noise");
     let named = |index: usize, log: &str| noise.sources[index] == format!("log \"{log}\"");
     assert!(
@@ -219,7 +220,8 @@ fn answers_to_torques_have_bands() {
     );
 }
 
-/// Over the delay the margin falls by the delay until there is none; then the row says why.
+/// In a sweep over the delay, the delay margin falls by the delay until the loop is unstable; the row then gives the
+/// reason.
 #[test]
 fn a_sweep_ends_where_the_loop_does() {
     let design = thesis();
@@ -290,7 +292,7 @@ fn an_export_gives_the_numbers_back() {
     );
 }
 
-/// What the hardware of the thesis makes late, and that it comes off the margins; what each sample time costs.
+/// The delays of the thesis' hardware, their effect on the margins, and the loops with other sample times.
 #[test]
 fn the_hardware_makes_the_loop_late() {
     let design = thesis();
@@ -312,12 +314,13 @@ fn the_hardware_makes_the_loop_late() {
     assert!((found.ahead_s - 1.625e-3).abs() < 1e-12);
     let law = found.law.as_ref().expect("a stable loop");
     let whole_s = design.report().expect("a report").margins.delay_margin_s;
-    // More than the sample of computation, less than with readings that all are as old as the oldest.
+    // The margin is reduced by more than the sample of computation, and by less than if every reading were 1.25 ms old.
     let lost_s = whole_s - law.margins.delay_margin_s;
     assert!(lost_s > 1e-3 && lost_s < 1e-3 + 1.25e-3, "{lost_s}");
     assert!(law.poles_per_s.iter().all(|pole| pole[0] < 0.0));
 
-    // A law that predicts has the poles of the loop without delay, but for the wheel's sensor, which it leads on too.
+    // The loop with the predicting law has nearly the poles of the loop without delay. They differ a little, because
+    // the law also predicts the wheel speed, whose sensor is not late.
     let predicting = found.predicting.as_ref().expect("a stable loop");
     let wanted = design.report().expect("a report").closed_loop_poles_per_s;
     for pole in &wanted {
@@ -344,7 +347,7 @@ fn the_hardware_makes_the_loop_late() {
         margins.len() > 5 && margins.windows(2).all(|pair| pair[1] < pair[0]),
         "{margins:?}"
     );
-    // Faster than the gyroscope is its own sample time alone, and it is said.
+    // The design's own sample time is shorter than the interval of the gyroscope's readings, which its row states.
     assert!(rows[0].sample_time_s == 1e-3 && !rows[0].sensible && rows[0].why.contains("fresh"));
     assert!(rows[1].sample_time_s == 1.25e-3 && rows[1].sensible);
     let last = rows.last().expect("rows");

@@ -1,4 +1,4 @@
-//! A bench with a magnet beside the path of the body, from a simulator of its own: two swings at 250 Hz.
+//! A bench with a magnet near the path of the body, simulated independently of the program: two swings at 250 Hz.
 
 use std::fmt::Write;
 
@@ -6,7 +6,7 @@ const TOTAL: f64 = 2.30344e-3;
 const GRAVITY: f64 = 0.245158;
 const VISCOUS: f64 = 2.12e-5;
 
-/// The torque of the magnet as it acts, N m.
+/// The torque of the magnet, N m, positive towards positive angles.
 pub fn torque(angle_rad: f64) -> f64 {
     let z = (angle_rad - 0.15) / 0.06;
     0.006 * z * (-z * z).exp()
@@ -35,7 +35,7 @@ pub fn files() -> Vec<(&'static str, String)> {
     files_with_dry_friction(0.0)
 }
 
-/// Its files, where the pivot has dry friction of this torque, N m, too.
+/// Its files if the pivot also has dry friction of this torque, N m.
 pub fn files_with_dry_friction(dry_nm: f64) -> Vec<(&'static str, String)> {
     vec![
         ("bench.toml", BENCH.to_owned()),

@@ -1,4 +1,4 @@
-//! The library from outside: a session on the bench of the demonstration.
+//! Tests of the library's public interface, on the bench of the demonstration.
 
 mod bench;
 mod benches;

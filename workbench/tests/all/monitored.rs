@@ -1,4 +1,4 @@
-//! A controller with a monitor: emitted, audited, proved; and what damage to it does.
+//! A controller with a monitor: it is emitted, audited and proved, and damage to it is detected.
 
 use std::path::Path;
 
@@ -74,7 +74,8 @@ fn a_monitor_is_proved() {
     ));
 }
 
-/// A word that is off, in either direction, and a certificate or source that says otherwise.
+/// Words of the monitor that are too large or too small, and contradictions between certificate and source, are
+/// detected.
 #[test]
 fn a_damaged_monitor_is_noticed() {
     let whole = emitted();
@@ -110,7 +111,7 @@ fn a_damaged_monitor_is_noticed() {
             );
         }
     }
-    // The certificate is silent about it.
+    // The certificate has no section monitor.
     let mut silent = whole.clone();
     let mut json: serde_json::Value =
         serde_json::from_str(&silent.certificate).expect("a certificate");
@@ -186,12 +187,13 @@ fn watched(emitted: &Emitted, winding_ohm: f64, motor: f64, torque: f64) -> Opti
     None
 }
 
-/// Behind a voltage drive the monitor knows that the current follows the wheel: it is silent on motors within their
-/// uncertainty, a warm winding too, and notices one that gives no torque or the opposite one.
+/// Behind a voltage drive the monitor takes into account that the current depends on the wheel's speed. It is silent
+/// for motors within their uncertainty, also with a warm winding, and notices a motor without torque or with reversed
+/// torque.
 #[test]
 fn a_monitor_behind_a_voltage_drive() {
     let emitted = of_design(&designed(&[INERTIAL, CONVERTER, VOLTAGE]));
-    // Which texts were audited is the work of the audit.
+    // The row texts-audited depends on the list of audited texts, not on this module, and is left out.
     let rows = settled(&emitted, false);
     for row in rows.iter().filter(|row| row.id != "texts-audited") {
         let why = row.outcome.why();

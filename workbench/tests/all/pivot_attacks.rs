@@ -1,5 +1,5 @@
-//! Attacks on a controller with an encoder on the pivot and one on the wheel: what is compiled is changed, in the words, in the
-//! texts, in the manifest, or by a certificate that says other things. None may end with nothing that fails.
+//! Attacks on a controller with an encoder on the pivot and one on the wheel: words, texts, manifest or certificate are
+//! changed. At least one claim must fail for each attack.
 
 use std::fs;
 use std::path::Path;
@@ -37,7 +37,7 @@ enum Change {
     Text(&'static str, &'static str, &'static str),
     /// A place in the certificate.
     Stated(&'static str, Value),
-    /// A file more.
+    /// An additional file.
     File(&'static str, &'static str),
 }
 
@@ -231,7 +231,7 @@ fn with_number(text: &str, constant: &str, field: &str, factor: f64, more: i64) 
     format!("{}{found}{}", &text[..at], &text[end..])
 }
 
-/// What fails of the changed folder; one that is not read fails as a whole.
+/// The claims that fail for the changed folder; the error if the folder cannot be read.
 fn failing(folder: &Path) -> Vec<String> {
     let read = |why: String| vec![format!("not read: {why}")];
     let emitted = match Emitted::read(folder) {

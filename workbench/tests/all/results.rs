@@ -1,4 +1,4 @@
-//! Results serialise, and come back as they were.
+//! Results that are written as JSON and read again are unchanged.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -9,7 +9,7 @@ use workbench::{
 
 use crate::bench::{session, silent};
 
-/// Equal but for the last digit, which the reader of numbers may round.
+/// Whether two numbers are equal up to the last digit, which the reader of JSON may round.
 fn same(a: &Value, b: &Value) -> bool {
     match (a, b) {
         (Value::Number(a), Value::Number(b)) => {

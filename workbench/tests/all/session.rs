@@ -43,7 +43,7 @@ fn what_is_added_and_removed_again_leaves_the_parameters_as_they_were() {
     assert_eq!(added.rmse_before, before.rmse);
     let angle =
         |numbers: &workbench::PerSeries| numbers.get("swing", Output::Angle).expect("an angle");
-    // The misfit shows, and falls to the noise of the sensor.
+    // The base model has a visible error, which falls to the noise of the sensor with the effect.
     let noise = angle(&added.after.sensor_noise);
     let (before_rmse, after_rmse) = (angle(&added.rmse_before), angle(&added.after.rmse));
     assert!(before_rmse > 3.0 * noise, "{before_rmse} {noise}");

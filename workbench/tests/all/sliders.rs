@@ -29,7 +29,7 @@ fn the_fitted_parameters_give_the_comparison() {
                 assert_eq!(own.simulated, compared.simulated);
             }
         }
-        // One experiment alone is what it is among the others.
+        // The curves of one experiment alone are the same as among the others.
         for (index, compared) in compared.curves.iter().enumerate() {
             let own = sliders.curves_of(index, changes).expect("curves");
             let own = own.expect("there is this experiment");

@@ -1,4 +1,5 @@
-//! No sound module is refused: other weights, sample times, sensors, drives and observers, each emitted and proved.
+//! Correct modules with other weights, sample times, sensors, drives and observers are emitted and proved; none is
+//! refused.
 
 use std::path::Path;
 
@@ -8,13 +9,13 @@ use checker::{ClaimOutcome, ProofSettings};
 use rayon::prelude::*;
 use workbench::ControlDesign;
 
-/// A module: its name, and what its model has in place of the thesis'.
+/// A module: its name, and the sections of its model that differ from that of the thesis.
 struct Sound {
     name: &'static str,
     changes: &'static [(&'static str, &'static str)],
 }
 
-/// Few are emitted in a normal run.
+/// A normal test run emits only a few modules.
 const FEW: usize = 3;
 
 const MODULES: [Sound; 12] = [
@@ -154,7 +155,8 @@ fn none_is_refused(modules: &[Sound], filter_length: bool) {
     assert!(all.is_empty(), "{all:#?}");
 }
 
-/// Without the claim about the filter's length, which takes half of a proof and is proved of other modules elsewhere.
+/// The claim about the filter's length takes half of the time of a proof. It is left out here, because other tests
+/// prove it of other modules.
 #[test]
 fn a_few_sound_modules_are_not_refused() {
     none_is_refused(&MODULES[..FEW], false);

@@ -1,4 +1,5 @@
-//! Claim `monitor-silent` in random runs: the sums of the source are those of a second statement of them.
+//! Claim `monitor-silent` in random runs: the emitted monitor and a second statement of it give the same sums and
+//! answers.
 
 use crate::claims::functions::{Functions, same};
 use crate::claims::random::Random;
@@ -7,10 +8,10 @@ use crate::language::module::Module;
 /// Largest magnitude of a sum.
 const SUM_MAX: i128 = 1 << 28;
 
-/// Words of a monitor: whether it was running, the last motion, the sums.
+/// Number of words of a monitor: whether the controller was running (1), the last motion (4), sums and widths (4).
 const WORDS: usize = 9;
 
-/// The monitor a second time, in integers that cannot overflow.
+/// A second statement of the monitor, in integers that cannot overflow.
 struct Second {
     words: Vec<(String, i128)>,
     zero: i128,
@@ -35,7 +36,8 @@ impl Second {
         ])
     }
 
-    /// The answer and the next words, for the words of a monitor and those of the arguments.
+    /// The answer of `Monitor::allows` followed by the monitor's next words, for its words `own` and the words of the
+    /// arguments.
     fn allows(&self, own: &[i128], arguments: &[i128]) -> Result<Vec<i128>, String> {
         let (is_running, duty) = (arguments[0], arguments[4] - self.zero);
         let after = [arguments[1], arguments[2], arguments[3], duty];
@@ -59,7 +61,7 @@ impl Second {
                     return 0;
                 }
                 let (products, low) = rests[at];
-                // Rounded halves upward, and the leak downward.
+                // The products are rounded to the nearest, halves upward; the leak is rounded downward.
                 let more = (products + (1 << (shift - 1))).div_euclid(1 << shift);
                 let kept = own[5 + at].clamp(-SUM_MAX, SUM_MAX);
                 let next = kept - kept.div_euclid(1 << leak) + more.clamp(-SUM_MAX, SUM_MAX);
@@ -89,7 +91,7 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
     };
     let start = f.call("Monitor::new", &[])?;
     if start != [0; WORDS] {
-        return Err("a new monitor has seen a motion".to_owned());
+        return Err("Monitor::new gives words that are not all zero".to_owned());
     }
     let default = f.call("Monitor::default", &[])?;
     same("Monitor::default", &[], &default, &start)?;
@@ -102,7 +104,7 @@ pub fn run(module: &Module, cases: usize, seed: u64) -> Result<usize, String> {
             } else {
                 let mut words: Vec<i128> = (0..WORDS).map(|_| random.word()).collect();
                 words[0] = random.choice(2).into();
-                // A duty less that of zero current is a difference of two counts, but any word is allowed.
+                // The stored duty minus that of zero current is a difference of two counts, but any word is tried.
                 words
             };
         }

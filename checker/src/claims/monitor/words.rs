@@ -1,14 +1,27 @@
 //! The words of `MOTION_LIMITS`, from the certificate's plant, parameters, sensors and drive.
 //!
-//! Why a sound bench stays within them: let r be what a step's change of a speed differs from the sampled model's, and
-//! s⁺ = (1 − 2⁻ᵐ) s + r the monitor's sum. An error n of a sensor enters r as the difference n⁺ − n of two steps, which adds
-//! up to at most 2 max |n|; as a part of the predicted row a, it enters by |a n| in each step, which adds up to at most
-//! 2ᵐ |a| max |n|. So does any torque of bounded size. A current that acts up to two steps late leaves the
-//! currents of these two steps, and a share (1 − 2⁻ᵐ)⁻² − 1 of all that is remembered. Numbers of the model that
-//! are off by a share leave this share of what they multiply, which the width adds up with the same memory. One
-//! push changes the body's rate once. An encoder on the wheel shows a speed that is off by half its window times the
-//! largest acceleration, found at the ends of angle, rate, speed and drive with all widths and torques, and by two
-//! counts; a push shows late in it, which leaves the push once. All this is derived here a second time.
+//! The monitor keeps two sums: one for the wheel's own speed (body rate plus wheel speed), one for the body's rate. In
+//! each step the residual r (rad/s) is the measured change of the speed minus the change that the sampled model
+//! predicts, and the sum becomes s⁺ = (1 − 2⁻ᵐ) s + r, where m is `MOTION_LIMITS.leak`. A constant r adds up to 2ᵐ r.
+//!
+//! A sound bench stays within the limits, because they are the sum of these bounds:
+//!
+//! - **Sensor errors.** An error n enters the measured change as n⁺ − n, which adds up to at most 2 max |n|. It also
+//!   enters the prediction, with the entry a of the model's row, by at most |a n| per step: 2ᵐ |a| max |n|.
+//! - **Torques of bounded size** (friction, cogging, dead zone, offset of the current) change the speed by at most a
+//!   constant amount per step, which adds up to 2ᵐ times this amount.
+//! - **A late current.** A current that acts up to two steps late (`LATE_STEPS`) adds at most two steps of the largest
+//!   current to the sum. The remembered part of the current's effect is off by the share (1 − 2⁻ᵐ)⁻² − 1, which the
+//!   width includes.
+//! - **Errors of the model's numbers.** An entry of a row with the relative error e is off by e times its product with
+//!   state or current. The width adds up these amounts with the same leak.
+//! - **One push** changes the body's rate once.
+//! - **An encoder on the wheel** shows the mean speed over its window. This speed is off by at most half the window
+//!   times the wheel's largest acceleration, and by the rounding of two counts. The largest acceleration is that of
+//!   the model with all widths and torques at the ends of angle, rate, wheel speed and drive. The encoder shows a push
+//!   only after the window, so that the wheel's sum contains the push once.
+//!
+//! This file derives all numbers independently of the generator.
 
 use num_traits::ToPrimitive;
 
@@ -17,24 +30,27 @@ use crate::claims::control_law::EmittedLaw;
 use crate::claims::held_loop::HeldLoop;
 use crate::language::module::Module;
 
-/// The memory of the sums (s), to within a factor of √2.
+/// The memory 2ᵐ T of the sums (s), where T is the sample time. The emitted one may differ by a factor of √2, because
+/// m is a whole number.
 const MEMORY_S: f64 = 0.1;
-/// Largest noise, in standard deviations.
+/// Largest noise of a sensor, in standard deviations.
 const NOISE_STDS: f64 = 8.0;
-/// Error of the filter's angle beside its noise (rad).
+/// Largest error of the attitude filter's angle, in addition to its noise (rad).
 const ANGLE_ERROR_RAD: f64 = 0.02;
-/// Share of a parameter whose error is not stated.
+/// Relative error of a parameter whose standard error is not stated.
 const UNSTATED_SHARE: f64 = 0.1;
-/// Share of a row that sampling and rounding leave.
+/// Relative error of an entry of a row by sampling and rounding. Each limit has the same number as an allowance in
+/// rad/s.
 const ROW_SHARE: f64 = 0.01;
-/// Steps by which a current may be late.
+/// Largest number of steps by which the current acts later than the model predicts.
 const LATE_STEPS: f64 = 2.0;
 /// Fraction bits of a sum.
 const SUM_BITS: i32 = 16;
-/// Relative tolerance of double precision.
+/// Relative tolerance for the rounding of this file's own double precision.
 const TOLERANCE: f64 = 1e-6;
 
-/// Parameters of the linear model, and those of motions with a bounded torque.
+/// The parameters that a module with a monitor may have: those of the linear model, and those of torques of bounded
+/// size.
 const KNOWN: [&str; 17] = [
     "total_inertia",
     "wheel_inertia",
@@ -55,16 +71,17 @@ const KNOWN: [&str; 17] = [
     "dead_zone",
 ];
 
-/// Checks every word; returns the two limits in rad/s.
+/// Checks every word of `MOTION_LIMITS`, and returns the limits of the wheel's and the body's sum in rad/s.
 ///
 /// # Errors
-/// A sentence that names the word.
+/// A sentence that names the wrong word and the right value.
 pub fn check(
     certificate: &Certificate,
     module: &Module,
     law: &EmittedLaw,
 ) -> Result<[f64; 2], String> {
-    let stated = certificate.monitor.as_ref().ok_or("there is no monitor")?;
+    let stated = certificate.monitor.as_ref();
+    let stated = stated.ok_or("the certificate has no section monitor")?;
     let words = module
         .constant_words("monitor_words", "MOTION_LIMITS")
         .ok_or("src/monitor_words.rs has no MOTION_LIMITS")?;
@@ -74,7 +91,7 @@ pub fn check(
         // Words of 32 bits are exact in double precision.
         found
             .map(|(_, word)| *word as f64)
-            .ok_or_else(|| format!("there is no {name}"))
+            .ok_or_else(|| format!("src/monitor_words.rs has no {name}"))
     };
     let real = |number: &StatedDecimal| number.value.to_f64().unwrap_or(f64::NAN);
     let wanted = Wanted::of(certificate, stated.noise_std.each_ref().map(real))?;
@@ -86,12 +103,15 @@ pub fn check(
     let ratio = (memory_s / MEMORY_S).log2().abs();
     if !(1.0..=12.0).contains(&leak) || (ratio > 0.5 + TOLERANCE && !is_clamped) {
         return Err(format!(
-            "MOTION_LIMITS.leak is {leak}: a memory of {memory_s} s"
+            "MOTION_LIMITS.leak is {leak}, which is a memory of {memory_s} s; it must be a whole number from 1 to 12, \
+             for a memory of {MEMORY_S} s within a factor of √2"
         ));
     }
     let shift = word("shift")?;
     if !(1.0..=62.0).contains(&shift) {
-        return Err(format!("MOTION_LIMITS.shift is {shift}"));
+        return Err(format!(
+            "MOTION_LIMITS.shift is {shift}; it must be 1 to 62"
+        ));
     }
     let scale = shift + f64::from(SUM_BITS);
     let unit = |bits: u32| (scale - f64::from(bits)).exp2();
@@ -111,7 +131,7 @@ pub fn check(
             Ok(())
         } else {
             Err(format!(
-                "MOTION_LIMITS.{name} is {found}, the certificate makes it {low:.2} to {high:.2}"
+                "MOTION_LIMITS.{name} is {found}; by the certificate it must be {low:.2} to {high:.2}"
             ))
         }
     };
@@ -144,40 +164,47 @@ pub fn check(
         let exact = value * sum_unit;
         is(name, exact + rest, exact + rest + 1.0)?;
         if (real(said) - value).abs() > TOLERANCE * value {
-            return Err(format!("the certificate says {name} = {said}, not {value}"));
+            return Err(format!(
+                "the certificate states {name}_rad_s = {said}; by its other numbers it must be {value}"
+            ));
         }
     }
     if (real(&stated.push_rad_s) - wanted.push_rad_s).abs() > TOLERANCE * wanted.push_rad_s {
         return Err(format!(
-            "the certificate says a push of {} rad/s, not {}",
+            "the certificate states push_rad_s = {}; by its other numbers it must be {}",
             stated.push_rad_s, wanted.push_rad_s
         ));
     }
     Ok(found.limits)
 }
 
-/// What the certificate makes of the words, in SI units.
+/// The numbers behind the words, derived from the certificate, in SI units.
 struct Wanted {
-    /// Change of the body's rate and of the wheel's own speed in a step, per rad, rad/s, rad/s, A.
+    /// Change of the body's rate (rad/s) in a step: per rad, per rad/s (body), per rad/s (wheel), per A.
     body: [f64; 4],
+    /// Change of the wheel's own speed (rad/s) in a step, per the same units.
     wheel: [f64; 4],
+    /// Largest errors of angle (rad), rate and wheel speed (rad/s).
     errors: [f64; 3],
-    /// Shares of gravity, motor and wheel friction on the body; of motor and friction on the wheel.
+    /// Relative errors of gravity, motor and wheel friction in the body's row.
     on_body: [f64; 3],
+    /// Relative errors of motor and friction in the wheel's row.
     on_wheel: [f64; 2],
-    /// Torques of bounded size, as accelerations of wheel and body.
+    /// Bounds of the torques that the linear model lacks, as accelerations of wheel and body (rad/s²).
     torques: [f64; 2],
-    /// Largest share by which gravity is less than its linear form.
+    /// Largest relative difference between gravity's torque and its linear form, at the largest angle.
     sine: f64,
+    /// Change of the body's rate by one push (rad/s).
     push_rad_s: f64,
-    /// Of an encoder on the wheel: half its window (s), and the ends of angle, rate and wheel speed.
+    /// With an encoder on the wheel: half its window (s), and the largest angle (rad), rate and wheel speed (rad/s).
     window: Option<(f64, [f64; 3])>,
-    /// The most that the drive holds.
+    /// Largest held input (A): the current limit, or the supply voltage over the winding's resistance.
     most_a: f64,
+    /// Sample time (s).
     period_s: f64,
 }
 
-/// The rows that follow, and the limits in rad/s.
+/// The rows and their widths, as in [`Wanted::body`], and the limits of the wheel's and the body's sum (rad/s).
 struct Rows {
     body: [f64; 4],
     wheel: [f64; 4],
@@ -195,7 +222,8 @@ impl Wanted {
             .find(|p| !KNOWN.contains(&p.name.as_str()))
         {
             return Err(format!(
-                "`{}` moves the pendulum by no bounded torque",
+                "no bound is known for the motion that the parameter `{}` describes, so that the module may have no \
+                 monitor",
                 other.name
             ));
         }
@@ -220,12 +248,17 @@ impl Wanted {
             && is_known(body_share)
             && is_known(wheel_share);
         if !are_known {
-            return Err("the inertias are not known well enough".to_owned());
+            return Err(
+                "the inertias of wheel and body must be positive, and three standard errors of each must be less \
+                 than half of it"
+                    .to_owned(),
+            );
         }
         let (mut torque, mut friction) =
             (share("torque_constant"), share("wheel_viscous_friction"));
         if certificate.drive.voltage.is_some() {
-            // The winding's resistance R changes with its temperature; the motor brakes its wheel with τ²/R.
+            // The winding's resistance R changes with its temperature: it is known to UNSTATED_SHARE. The back-EMF
+            // brakes the wheel like a viscous friction τ²/R.
             let hot = over(0.0, UNSTATED_SHARE);
             friction = friction.max((1.0 + torque) * (1.0 + torque) * (1.0 + hot) - 1.0);
             torque = over(torque, UNSTATED_SHARE);
@@ -246,18 +279,20 @@ impl Wanted {
         let number = |entry: &num_rational::BigRational| entry.to_f64().unwrap_or(f64::NAN);
         let input = held.bd.each_ref().map(number);
         let limit = certificate.constant("CURRENT_LIMIT");
-        let limit_a = real(&limit.ok_or("there is no limit")?.real);
+        let limit_a = real(&limit.ok_or("the certificate has no CURRENT_LIMIT")?.real);
         let (fall, push) = (real(&plant.a[1][0]), real(&plant.b[1]).abs() * limit_a);
         if fall.is_nan() || fall <= 0.0 {
-            return Err("the body does not fall".to_owned());
+            return Err(
+                "the body does not fall in the certificate's model: row 2, column 1 of A must be positive".to_owned(),
+            );
         }
-        // The supervisor's largest angle: twice the one that the current holds, at most 60 degrees.
+        // The angle at which the supervisor trips: twice the angle at which the current holds the body, at most 60°.
         let most = core::f64::consts::FRAC_PI_3.min(real(&certificate.inputs[0].range));
         let holds = (push / fall).min(0.99).asin();
         let holds = if holds > 0.0 { holds } else { most };
         let angle = (2.0 * holds).min(most);
         let inertial = certificate.hardware.inertial();
-        let inertial = inertial.ok_or("a monitor knows no encoder on the pivot")?;
+        let inertial = inertial.ok_or("a monitor needs gyroscope and accelerometer")?;
         let gyro = inertial.gyroscope.matrix[2].each_ref().map(real);
         let converter = real(&certificate.hardware.wheel_speed.rad_s_per_count).abs();
         let count = gyro.iter().map(|entry| entry.abs()).sum::<f64>();
@@ -268,7 +303,7 @@ impl Wanted {
             let half_s = f64::from(encoder.window) * period_s / 2.0;
             (half_s, [angle, range(1), range(2)])
         });
-        // A turn is the difference of two counts.
+        // A converter's speed is one reading; an encoder's speed is the difference of two. Each is off by half a count.
         let readings = if window.is_some() { 2.0 } else { 1.0 };
         Ok(Wanted {
             body: [step(1, 0), step(1, 1), step(1, 2), input[1]],
@@ -292,7 +327,7 @@ impl Wanted {
                 over(torque, wheel_share) + ROW_SHARE,
                 over(friction, wheel_share) + ROW_SHARE,
             ],
-            // An inertia may be half of what it is taken for.
+            // The true inertias may be as small as half of the stated ones.
             torques: [
                 2.0 * on_wheel / wheel_inertia,
                 2.0 * (on_wheel + on_body) / body_inertia,
@@ -326,7 +361,8 @@ impl Wanted {
         let mut errors = self.errors;
         let mut pushed = 0.0;
         if let Some((half_s, ends)) = self.window {
-            // The wheel relative to the body accelerates no more than this, at the ends of everything.
+            // A bound of the wheel's acceleration relative to the body (rad/s²): all states and the drive at their
+            // ends.
             let mut most = self.torques[0] + self.torques[1];
             let all = [ends[0], ends[1], ends[2], self.most_a];
             for (column, end) in all.into_iter().enumerate() {
@@ -335,7 +371,7 @@ impl Wanted {
                 most += end * (nominal + width) / self.period_s;
             }
             errors[2] += most * half_s;
-            // A push shows in the wheel's speed within the window.
+            // The encoder shows a push only after its window.
             pushed = self.push_rad_s;
         }
         let of_errors = |row: &[f64; 4]| -> f64 {
@@ -361,7 +397,7 @@ impl Wanted {
                 + ROW_SHARE,
         ];
         if limits.iter().any(|limit| !limit.is_finite()) {
-            return Err("a limit of the monitor is no number".to_owned());
+            return Err("a limit of the monitor is not finite".to_owned());
         }
         Ok(Rows {
             body: self.body,

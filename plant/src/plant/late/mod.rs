@@ -32,7 +32,7 @@ use piece::Piece;
 const LAG_MEMORY: f64 = 4.0;
 /// The past is reconstructed over at most this time, in s. Near upright, errors grow on the way back.
 const LONGEST_PAST_S: f64 = 0.5;
-/// Most steps back.
+/// Largest number of integration steps with which the past is reconstructed.
 const MOST_STEPS_BACK: f64 = 2000.0;
 /// If all lags and delays are shorter than this, in s, the past does not matter.
 const NO_TIME_S: f64 = 1e-9;
@@ -62,7 +62,7 @@ struct Channel<S> {
 }
 
 impl<S: Scalar> Channel<S> {
-    /// Takes a piece of what is measured.
+    /// Receives the next piece of the measured quantity.
     fn take(&mut self, piece: Piece<S>) {
         let piece = match self.timings.lag_s {
             Some(lag_s) => piece.behind(lag_s, self.now),
@@ -198,7 +198,8 @@ impl<S: Scalar> Plant<S> {
         self.distorted(reading)
     }
 
-    /// As [`Plant::step`] from one time to another, with the sensors that have a lag or a delay.
+    /// The state after the step from `from_s` to `to_s` under `drive`, like [`Plant::step`]. `late`, if there is one,
+    /// receives the motion of this step.
     pub fn step_with(
         &self,
         start: &State<S>,
@@ -268,7 +269,7 @@ impl<S: Scalar> Plant<S> {
         let steps = (span_s / step_s).ceil().clamp(1.0, MOST_STEPS_BACK);
         let step_s = span_s / steps;
         let currents = self.currents_back(start_s, step_s, steps as usize, time_s, first, current);
-        // From the start backwards, then fed forwards.
+        // The motion is integrated backwards from the start; its pieces are then sorted forwards in time.
         let mut state = *start;
         let mut pieces = vec![];
         let mut to_s = start_s;
@@ -285,7 +286,7 @@ impl<S: Scalar> Plant<S> {
             to_s = from_s;
         }
         pieces.reverse();
-        // Values that are not finite leave no past.
+        // Pieces with values that are not finite are dropped.
         let is_number = |value: &S| value.value().is_finite();
         let is_motion =
             |(_, from, _): &Past<S>| from.values.iter().chain(&from.slopes).all(is_number);
@@ -399,7 +400,7 @@ impl<S: Scalar> Late<S> {
         }
     }
 
-    /// How long before the start of a run its motion still matters, in s.
+    /// How far back from the start of a run the motion still influences a reading, in s.
     fn memory_s(&self, begins_with_log: bool) -> f64 {
         let of = |time_s: Option<S>| time_s.map_or(0.0, |time_s| time_s.value().max(0.0));
         let channels = self.channels.iter().map(|channel| {

@@ -18,7 +18,7 @@ impl<S: Scalar> Piece<S> {
         self.to_s - self.from_s
     }
 
-    /// The derivatives of order 0 to 3 at the start, not divided by factorials.
+    /// The value at the start of the piece and its derivatives of order 1 to 3, not divided by factorials.
     fn derivatives(&self) -> [S; 4] {
         let h = self.span_s();
         let rise = (self.to - self.from) * (1.0 / h);
@@ -27,18 +27,19 @@ impl<S: Scalar> Piece<S> {
         [self.from, self.from_slope, second, third]
     }
 
-    /// The value `after_s` from its start.
+    /// The value `after_s` seconds after the start of the piece.
     pub fn at(&self, after_s: S) -> S {
         let [zeroth, first, second, third] = self.derivatives();
         let cubic = second * 0.5 + after_s * third * (1.0 / 6.0);
         zeroth + after_s * (first + after_s * cubic)
     }
 
-    /// The answer of a lag to this piece, from `start` on.
+    /// The output of a lag with the time constant `lag_s` while this piece is its input; `start` is its output at the
+    /// start of the piece.
     pub fn behind(&self, lag_s: S, start: S) -> Piece<S> {
         let [_, first, second, third] = self.derivatives();
         let h = self.span_s();
-        // The distance of the lag's answer behind the cubic, at both ends, without the decaying part.
+        // The input minus the output of the lag at both ends, without the part of the output that decays.
         let behind_from = lag_s * (first - lag_s * (second - lag_s * third));
         let second_to = second + third * h;
         let behind_to = lag_s * (self.to_slope - lag_s * (second_to - lag_s * third));
