@@ -11,6 +11,7 @@
 //! | [`step_total`], [`supervisor`] | of the full step |
 //! | [`encoder_exact`], [`encoder_loop_stable`] | of encoders, and of the loop with them or with a voltage drive |
 //! | [`closed_loop_stable`], [`bias_observer_stable`], [`closed_loop_for_all_time`], [`closed_loop_second`], [`region_of_attraction`], [`stable_for_parameters`] | of the loop |
+//! | [`loop_from_rest`] | `closed-loop-for-all-time` and `region-of-attraction` with the window of an encoder |
 //! | [`control_law`] | the law that the source implements |
 //! | [`sampling`] | the sampled model compared with the continuous one |
 //! | [`bias_observer_numbers`], [`bias_observer_words`] | the observer of the angle's bias |
@@ -48,6 +49,7 @@ pub mod gains_optimal;
 pub mod hardware_words;
 pub mod held_loop;
 pub mod loop_as_shipped;
+pub mod loop_from_rest;
 pub mod model_matches;
 pub mod monitor;
 pub mod named_words;
