@@ -10,16 +10,26 @@
 //! Every claim is thus executable, and none is stated twice. The identifiers of the claims are
 //! those of `flywheel prove`.
 
+#[cfg(not(any(body_encoder, wheel_encoder, voltage_drive)))]
 pub mod modes;
 pub mod properties;
 
 #[cfg(kani)]
 mod proofs;
+#[cfg(not(body_encoder))]
 #[cfg(kani)]
 mod proofs_attitude;
+#[cfg(any(body_encoder, wheel_encoder))]
+#[cfg(kani)]
+mod proofs_encoder;
+#[cfg(not(any(body_encoder, wheel_encoder, voltage_drive)))]
 #[cfg(kani)]
 mod proofs_modes;
+#[cfg(kani)]
+mod proofs_product;
 #[cfg(kani)]
 mod proofs_step;
 #[cfg(kani)]
 mod proofs_supervisor;
+#[cfg(kani)]
+mod words;

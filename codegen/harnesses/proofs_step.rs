@@ -10,22 +10,27 @@
 //! products by the checker.
 
 use generated::bias_observer::{BiasObserver, advanced, estimated_bias, waiting};
-use generated::constants::{
-    ANGLE_MAX, BIAS_OBSERVER, DUTY_LINE, LIMITS, RATE_LINE, WHEEL_SPEED_LINE,
-};
+#[cfg(not(voltage_drive))]
+use generated::constants::DUTY_LINE;
+#[cfg(voltage_drive)]
+use generated::constants::DUTY_PLANE;
+use generated::constants::{ANGLE_MAX, BIAS_OBSERVER, LIMITS, RATE_LINE, WHEEL_SPEED_LINE};
 use generated::drift::{rate_error, tracked};
 use generated::lever_arm::{length_squared, without_motion};
 use generated::line::{Line, on_line};
 use generated::madgwick::{COMPONENT_MAX, aligned, correction_imu, turned, unit_q28};
 use generated::pivot_angle::pivot_angle;
+#[cfg(voltage_drive)]
+use generated::plane::on_plane;
 use generated::supervisor::{Counters, Limits, SUM_MAX, Window, gathered, observed};
 use generated::{Angle, CURRENT_LIMIT, Controller, Current, Rate, Sample, WheelSpeed};
 
 use crate::proofs_attitude::{
     any_angle, any_correction, any_direction, any_drift, any_gravity, any_length, any_rate_error,
-    any_reading, any_turn, any_within, assert_within,
+    any_reading, any_turn,
 };
 use crate::properties;
+use crate::words::{any_within, assert_within};
 
 /// [`lines_in_range`] shows it for the lines of this bench.
 fn any_on_line(_word: i32, line: &Line) -> i32 {
@@ -100,14 +105,30 @@ fn any_window(_window: &Window, _up: [i32; 3], _is_quiet: bool, limits: &Limits)
     }
 }
 
+/// The lines of this bench.
+#[cfg(not(voltage_drive))]
+const LINES: [&Line; 3] = [&RATE_LINE, &WHEEL_SPEED_LINE, &DUTY_LINE];
+/// The lines of this bench.
+#[cfg(voltage_drive)]
+const LINES: [&Line; 2] = [&RATE_LINE, &WHEEL_SPEED_LINE];
+
 /// Any word on the lines of this bench.
 #[kani::proof]
 fn lines_in_range() {
-    for line in [&RATE_LINE, &WHEEL_SPEED_LINE, &DUTY_LINE] {
+    for line in LINES {
         let value = on_line(kani::any(), line);
         kani::cover!(value == line.high, "the upper end");
         assert!((line.low..=line.high).contains(&value));
     }
+}
+
+/// Any words of current and wheel speed.
+#[cfg(voltage_drive)]
+#[kani::proof]
+fn plane_in_range() {
+    let value = on_plane(kani::any(), kani::any(), &DUTY_PLANE);
+    kani::cover!(value == DUTY_PLANE.high, "the upper end");
+    assert!((DUTY_PLANE.low..=DUTY_PLANE.high).contains(&value));
 }
 
 /// Any words of the states, the current and the observer.
@@ -134,7 +155,12 @@ fn any_sample() -> Sample {
         gyro: kani::any(),
         accel: kani::any(),
         mag: kani::any(),
+        #[cfg(wheel_converter)]
         wheel_adc: kani::any(),
+        #[cfg(wheel_driver)]
+        wheel_speed: kani::any(),
+        #[cfg(wheel_encoder)]
+        wheel_count: kani::any(),
     }
 }
 
@@ -159,13 +185,16 @@ fn any_sample() -> Sample {
 fn step_total() {
     let mut controller = Controller::new();
     controller.step(&any_sample());
+    // The third count of an encoder is the first that may be no motion.
+    #[cfg(wheel_encoder)]
+    controller.step(&any_sample());
     let (is_faulty, is_armed) = (kani::any(), kani::any());
     if is_faulty {
         controller.fault();
     }
     kani::cover!(is_armed && !is_faulty, "armed");
     kani::cover!(is_faulty, "after a fault");
-    properties::attitude::duty_within_limits(&mut controller, &any_sample(), is_armed);
+    properties::step::duty_within_limits(&mut controller, &any_sample(), is_armed);
     kani::cover!(
         controller.status() == generated::Status::Running,
         "running after the step"

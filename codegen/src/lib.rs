@@ -112,7 +112,7 @@ pub fn generate_with(
         None => closed_loop::certify(spec, &law),
     };
     // The claim about the modes is checked with the harnesses.
-    let modes = match harnesses::exist_for(spec) {
+    let modes = match harnesses::has_modes(&spec.parts()) {
         true => modes::derive(spec, &law),
         false => None,
     };

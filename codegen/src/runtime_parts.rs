@@ -1,8 +1,8 @@
 //! Parts of a runtime file that a bench may not have.
 //!
 //! A bench has one sensor of the body's angle, one of the wheel's speed and one kind of drive. In a file of
-//! `codegen/runtime/`, text for other sensors and drives stands under `#[cfg(…)]` with the names of [`Parts::NAMES`]
-//! and is not emitted. The emitted text has no `cfg`, and a bench has no cost from parts that it lacks.
+//! `codegen/runtime/` or `codegen/harnesses/`, text for other sensors and drives stands under `#[cfg(…)]` with the names of [`Parts::NAMES`]
+//! and is not emitted. The emitted text has no `cfg` but Kani's, and a bench has no cost from parts that it lacks.
 
 use std::ops::Range;
 
@@ -204,14 +204,17 @@ fn attribute_end(trees: &[TokenTree], at: usize) -> Option<usize> {
     is_attribute.then_some(at + 2)
 }
 
-/// The condition between the parentheses of `[cfg(…)]`.
+/// The condition between the parentheses of `[cfg(…)]`. `cfg(kani)` is emitted unchanged: Kani decides it, not the
+/// bench.
 fn condition_of(tree: &TokenTree) -> Option<TokenStream> {
     let TokenTree::Group(group) = tree else {
         return None;
     };
     let parts: Vec<TokenTree> = group.stream().into_iter().collect();
     match parts.as_slice() {
-        [TokenTree::Ident(name), TokenTree::Group(condition)] if name == "cfg" => {
+        [TokenTree::Ident(name), TokenTree::Group(condition)]
+            if name == "cfg" && condition.stream().to_string() != "kani" =>
+        {
             Some(condition.stream())
         }
         _ => None,

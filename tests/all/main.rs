@@ -5,4 +5,5 @@ mod cli;
 mod emitted;
 mod guide;
 mod hardware;
+mod harness_crates;
 mod raw_counts;

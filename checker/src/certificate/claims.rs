@@ -218,8 +218,8 @@ pub const CLAIMS: &[ClaimStatement] = &[
     },
     ClaimStatement {
         id: "closed-loop-for-all-time",
-        statement: "From any start in the stated ellipsoid, the loop with the emitted law never saturates, no voltage reaches the end of the supply, and at every step its state differs by at most the stated bounds from that of the same loop in real numbers and with exact speeds.",
-        domain: "all time; every start in the ellipsoid; every perturbation by words or sensor counts",
+        statement: "From any start in the stated ellipsoid, the loop with the emitted law never saturates, no voltage reaches the end of the supply, and at every step its state differs by at most the stated bounds from that of the same loop in real numbers and with exact speeds. (With an encoder on the pivot, or one on the wheel and no stated ellipsoid: from any start at rest up to the angle in the result, and from the loop in real numbers with the same windows.)",
+        domain: "all time; every start in the ellipsoid, or at rest up to that angle; every perturbation by words or sensor counts",
         assumptions: "The plant is the stated linear model. The sensors return the nearest count. The angle is measured directly, not by the filter. Of a voltage drive: winding resistance and back-EMF are the stated ones, and the winding's inductance is neglected. Of an encoder on the wheel: the motion in its window before the start lay in the ellipsoid too.",
         engine: EXACT,
         is_in_certificate: false,
@@ -234,8 +234,8 @@ pub const CLAIMS: &[ClaimStatement] = &[
     },
     ClaimStatement {
         id: "region-of-attraction",
-        statement: "From any start in the stated share of the ellipsoid, the loop with the emitted law never saturates, and its state enters the stated smaller share and stays there.",
-        domain: "all time; every start in that share; every perturbation by words or sensor counts",
+        statement: "From any start in the stated share of the ellipsoid, the loop with the emitted law never saturates, and its state enters the stated smaller share and stays there. (With an encoder on the pivot, or one on the wheel and no such share: from any start at rest up to the angle in the result, into the bounds in the result.)",
+        domain: "all time; every start in that share, or at rest up to that angle; every perturbation by words or sensor counts",
         assumptions: "The plant is the stated linear model with gravity as G sin(angle). The sensors return the nearest count. The angle is measured directly, not by the filter. Of a voltage drive: winding resistance and back-EMF are the stated ones, and the winding's inductance is neglected. Of an encoder on the wheel: the motion in its window before the start lay in the ellipsoid too.",
         engine: EXACT,
         is_in_certificate: false,

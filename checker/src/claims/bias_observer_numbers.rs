@@ -23,6 +23,9 @@ use crate::exact::rational::{integer, power_of_two, rounded_up};
 
 type Check = Result<(), String>;
 
+/// Least and largest bias that is taken out at most, mrad: 0.6° and 17° (judgement; the generator's is 5.7°).
+const LIMITS_MRAD: [i128; 2] = [10, 300];
+
 /// The stated numbers observe the stated plant, to within what double precision leaves of them.
 ///
 /// # Errors
@@ -41,8 +44,12 @@ pub fn check_numbers(certificate: &Certificate) -> Check {
             observer.decay
         ));
     }
-    if !observer.limit_rad.value.is_positive() {
-        return Err("bias_observer.limit_rad is not positive".to_owned());
+    let [least, most] = LIMITS_MRAD.map(|limit| integer(limit) / integer(1000));
+    if !(least..=most).contains(&observer.limit_rad.value) {
+        return Err(format!(
+            "bias_observer.limit_rad is {}, which is no bias of an angle that an observer takes out",
+            observer.limit_rad
+        ));
     }
     let vanishes = |name: String, terms: &[BigRational]| {
         let sum: BigRational = terms.iter().sum();

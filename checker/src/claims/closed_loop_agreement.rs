@@ -43,7 +43,7 @@ pub fn by_exact_arithmetic(
     law: &EmittedLaw,
 ) -> ClaimOutcome {
     if certificate.modes.is_none() {
-        // The intervals stand in the harness crate, which not every module has.
+        // The intervals stand in a file of the harness crate that not every module has.
         return match emitted.harnesses.iter().any(|(path, _)| path == FILE) {
             true => ClaimOutcome::NotRun(NO_MODES.to_owned()),
             false => ClaimOutcome::NotApplicable(NO_HARNESSES.to_owned()),
@@ -63,8 +63,8 @@ pub(crate) const NO_MODES: &str = "the certificate states no box of modes that e
                                    complex modes a ± jb has one only if |a| + |b| < 1";
 
 /// Why a module may state no such intervals.
-const NO_HARNESSES: &str = "the module has no harnesses: they are written for a converter of the wheel's speed and a \
-                            current drive";
+const NO_HARNESSES: &str = "the intervals are those of a held current and the states themselves, not of a voltage or the turn \
+                            over an encoder's window";
 
 /// The integers of one mode.
 struct Mode {

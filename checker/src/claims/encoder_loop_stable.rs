@@ -35,15 +35,6 @@ type Matrix = Vec<Vec<BigRational>>;
 /// Coefficients of z⁰, z¹, …
 type Polynomial = Vec<BigRational>;
 
-/// Why the argument of a claim about the loop does not hold this module; `None` where it may.
-pub(crate) fn other_loop(certificate: &Certificate) -> Option<String> {
-    certificate.hardware.body_encoder().map(|_| {
-        "the ellipsoid has the three states of the pendulum, not the angles that an encoder on the pivot showed in its \
-         window; `loop-as-shipped` bounds that loop from counts to duty"
-            .to_owned()
-    })
-}
-
 /// What comes of the claim.
 pub fn by_exact_arithmetic(certificate: &Certificate, law: &EmittedLaw) -> ClaimOutcome {
     let hardware = &certificate.hardware;

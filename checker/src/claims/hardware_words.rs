@@ -15,11 +15,15 @@ use crate::certificate::hardware::{
 use crate::certificate::reader::{Certificate, CertifiedLoop, CertifiedVoltage};
 use crate::claims::bias_observer_words::check_words;
 use crate::claims::control_law::{EmittedLaw, exponent};
+use crate::claims::drift_words;
 use crate::claims::named_words::{NamedWords, nearest};
 use crate::exact::rational::{decimal, half, integer, power_of_two, rounded_up};
 use crate::language::module::Module;
 
 type Check = Result<(), String>;
+
+/// Strongest field of the Earth, µT: with a higher floor the compass would never be used.
+const FIELD_MAX_UT: i128 = 67;
 
 /// Smallest power of two of the duty's plane. With it, half a unit of a slope is 2⁻⁸ counts for the largest word.
 const PLANE_SHIFT_MIN: i32 = 38;
@@ -148,6 +152,12 @@ fn check_inertial(
             return Err(format!("{what} is {stated}; it is more than zero"));
         }
     }
+    if hardware.field_min_ut.value > integer(FIELD_MAX_UT) {
+        return Err(format!(
+            "field_min_uT is {}: no field on Earth would be used",
+            hardware.field_min_ut
+        ));
+    }
     nearest(
         "FILTER.beta",
         &filter.get("FILTER.beta")?,
@@ -168,7 +178,7 @@ fn check_inertial(
             }
         }
     }
-    drift(&filter, hardware, period)?;
+    drift_words::check(&filter, hardware, period)?;
 
     let gyro_unit = period * half() * power_of_two(49);
     sensor(&filter, &hardware.gyroscope, "gyro", Some(&gyro_unit))?;
@@ -356,31 +366,6 @@ fn check_sensor_steps(
                 rounded_up(found, 12)
             ));
         }
-    }
-    Ok(())
-}
-
-/// The tracking of the drift: as stated, with the largest number of bits that leaves room for the largest drift.
-fn drift(filter: &NamedWords, hardware: &CertifiedInertial, period: &BigRational) -> Check {
-    let time = &hardware.drift_time_s.value;
-    let limit = &hardware.drift_limit_rad_s.value;
-    if !time.is_positive() || !limit.is_positive() {
-        return Err("the drift is followed in no time, or not at all".to_owned());
-    }
-    let shift = filter.small("FILTER.drift.shift")?;
-    if !(0..=14).contains(&shift) {
-        return Err(format!("FILTER.drift.shift is {shift}"));
-    }
-    nearest(
-        "FILTER.drift.gain",
-        &filter.get("FILTER.drift.gain")?,
-        &(period / time * power_of_two(28 + shift)),
-    )?;
-    let word = filter.get("FILTER.drift.limit")?;
-    let real = limit * period * half() * power_of_two(32 + shift);
-    let real = real.min(power_of_two(30));
-    if !word.is_positive() || (&word - &real).abs() > integer(1) + &real * power_of_two(-40) {
-        return Err(format!("FILTER.drift.limit is {word}"));
     }
     Ok(())
 }

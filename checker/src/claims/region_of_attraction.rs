@@ -111,16 +111,11 @@ fn is_gravity_of(a: &BigRational, gravity: &BigRational) -> bool {
     (a - gravity).abs() <= gravity.abs() * power(10, -5)
 }
 
-/// Finds the largest region that the argument above shows, and the smallest set to which it comes.
+/// g = G/(Θ − j_w) (1/s²), which is that of the stated A.
 ///
 /// # Errors
-/// A sentence that says what is missing, or that nothing could be shown.
-pub fn check(
-    certificate: &Certificate,
-    stated: &CertifiedLoop,
-    bounds: &ClosedLoopBounds,
-    law: &EmittedLaw,
-) -> Result<ProvedRegion, NoRegion> {
+/// [`NoRegion`] for numbers that are those of no pendulum, and for a spring, which the argument does not hold.
+pub(crate) fn gravity_of(certificate: &Certificate) -> Result<BigRational, NoRegion> {
     let parameter = |name: &str| {
         let found = certificate.parameters.iter().find(|p| p.name == name);
         found.map(|p| p.value.value.clone()).ok_or_else(|| {
@@ -141,17 +136,12 @@ pub fn check(
             "the gravity torque is not positive".to_owned(),
         ));
     }
-    let p = matrix(&stated.ellipsoid);
-    let not_shown = |why: &str| NoRegion::NotShown(why.to_owned());
-    let root = |value: &BigRational| root_above(value).ok_or(not_shown("a negative square"));
-    let t = certificate.sample_time_s.value.clone();
-    let held = HeldLoop::of(certificate);
-    let a = held.a.clone();
     // The sine and the linear model have the same gravity. A spring would need another argument.
-    if !is_gravity_of(&a[1][0], &gravity) {
+    let a = &certificate.plant.a[1][0].value;
+    if !is_gravity_of(a, &gravity) {
         let why = format!(
             "A[1][0] is {}, gravity makes it {}",
-            rounded_up(&a[1][0], 7),
+            rounded_up(a, 7),
             rounded_up(&gravity, 7)
         );
         let has_spring = certificate
@@ -164,6 +154,26 @@ pub fn check(
             NoRegion::Unphysical(why)
         });
     }
+    Ok(gravity)
+}
+
+/// Finds the largest region that the argument above shows, and the smallest set to which it comes.
+///
+/// # Errors
+/// A sentence that says what is missing, or that nothing could be shown.
+pub fn check(
+    certificate: &Certificate,
+    stated: &CertifiedLoop,
+    bounds: &ClosedLoopBounds,
+    law: &EmittedLaw,
+) -> Result<ProvedRegion, NoRegion> {
+    let gravity = gravity_of(certificate)?;
+    let p = matrix(&stated.ellipsoid);
+    let not_shown = |why: &str| NoRegion::NotShown(why.to_owned());
+    let root = |value: &BigRational| root_above(value).ok_or(not_shown("a negative square"));
+    let t = certificate.sample_time_s.value.clone();
+    let held = HeldLoop::of(certificate);
+    let a = held.a.clone();
     let inverse = inverse(&p).ok_or(not_shown("the matrix of the ellipsoid is singular"))?;
     let one = BigRational::one();
     let all = Loop {

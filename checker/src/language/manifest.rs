@@ -121,6 +121,7 @@ pub fn read_harness(text: &str, name: &str) -> Result<(), String> {
             string(package, "package.", key)?;
         }
         expect(package, "package.", "edition", "2024")?;
+        check_metadata(package)?;
         let dependencies = table(root, "dependencies")?;
         only(dependencies, "dependencies.", &["generated"])?;
         let generated = table(dependencies, "generated")?;
@@ -134,6 +135,20 @@ pub fn read_harness(text: &str, name: &str) -> Result<(), String> {
         only(table(root, "workspace")?, "workspace.", &[])
     };
     check().map_err(|why: String| format!("verify/{why}"))
+}
+
+/// Kani reads its settings here: the two that the harnesses need, and none that leaves out a check.
+fn check_metadata(package: &dyn TableLike) -> Result<(), String> {
+    if !package.contains_key("metadata") {
+        return Ok(());
+    }
+    let metadata = table(package, "metadata")?;
+    only(metadata, "package.metadata.", &["kani"])?;
+    let kani = table(metadata, "kani")?;
+    only(kani, "package.metadata.kani.", &["unstable"])?;
+    let path = "package.metadata.kani.unstable.";
+    let unstable = table(kani, "unstable")?;
+    only(unstable, path, &["function-contracts", "stubbing"])
 }
 
 /// No keys but these.
@@ -180,6 +195,8 @@ mod tests {
         assert!(read_harness(good, "other").is_err());
         let renamed = good.replace("\"..\"", "\"..\", package = \"other\"");
         read_harness(&renamed, "other").unwrap();
+        let unstable = "[package.metadata.kani.unstable]\nstubbing = true\n[dep";
+        read_harness(&good.replace("[dep", unstable), "generated").unwrap();
         for (from, to) in [
             ("[workspace]", ""),
             ("[workspace]", "[workspace]\nmembers = [\"y\"]"),
@@ -188,6 +205,11 @@ mod tests {
             ("[lints", "evil = \"1\"\n[lints"),
             ("forbid", "allow"),
             ("edition", "build = \"evil.rs\"\nedition"),
+            (
+                "[dep",
+                "[package.metadata.kani.flags]\nno-default-checks = true\n[dep",
+            ),
+            ("[dep", "[package.metadata.other]\n[dep"),
         ] {
             let error = read_harness(&good.replace(from, to), "generated").unwrap_err();
             assert!(error.starts_with("verify/Cargo.toml"), "{to}: {error}");

@@ -12,9 +12,9 @@ use crate::claims::{
     closed_loop_second, closed_loop_stable, compiled_agrees, control_accurate,
     control_accurate_real_gains, control_monotone, control_total, encoder_exact,
     encoder_loop_stable, filter_accurate, filter_exact, filter_length, filter_total,
-    hardware_words, loop_as_shipped, model_matches, monitor, physical_signs, primitives,
-    region_of_attraction, source_understood, stable_for_parameters, step_total, supervisor,
-    texts_audited,
+    hardware_words, loop_as_shipped, loop_from_rest, model_matches, monitor, physical_signs,
+    primitives, region_of_attraction, source_understood, stable_for_parameters, step_total,
+    supervisor, texts_audited,
 };
 use crate::domains::smt::{self, SolverAnswer};
 use crate::language::emitted::Emitted;
@@ -348,9 +348,15 @@ fn loop_claims(
         encoder_loop_stable::by_exact_arithmetic(certificate, law)
     });
     let mut bounds = None;
+    let mut from_rest = None;
     table.add("closed-loop-for-all-time", EXACT, || {
         if !settings.closed_loop {
             return ClaimOutcome::NotRun("switched off".to_owned());
+        }
+        if loop_from_rest::applies(certificate) {
+            let (for_all_time, region) = loop_from_rest::by_exact_arithmetic(certificate, law);
+            from_rest = Some(region);
+            return for_all_time;
         }
         let (outcome, found) = closed_loop_for_all_time::by_exact_arithmetic(certificate, law);
         bounds = found;
@@ -368,8 +374,19 @@ fn loop_claims(
     table.add("closed-loop-agreement", EXACT, || {
         closed_loop_agreement::by_exact_arithmetic(certificate, emitted, module, law)
     });
+    // From rest, one computation settles both.
     table.add("region-of-attraction", EXACT, || {
-        region_of_attraction::by_exact_arithmetic(certificate, bounds.as_ref(), law)
+        if let Some(region) = from_rest {
+            return region;
+        }
+        let found = region_of_attraction::by_exact_arithmetic(certificate, bounds.as_ref(), law);
+        let has_window = certificate.hardware.wheel_speed.encoder.is_some();
+        match found {
+            ClaimOutcome::NotRun(_) if has_window && bounds.is_some() => {
+                loop_from_rest::region(certificate, law)
+            }
+            found => found,
+        }
     });
     let start = Instant::now();
     let (shipped, kept_up) = if settings.closed_loop {

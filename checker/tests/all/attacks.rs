@@ -332,3 +332,30 @@ fn a_certificate_cannot_switch_claims_off() {
     let many = rows_of(&altered("/parameters", parameters));
     assert_eq!(results(&many, "stable-for-parameters"), ["proved"]);
 }
+
+/// A sensor whose range ends early, as the ±4 g of a BNO055 do, is no fault of the filter: beyond its end it shows nothing.
+#[test]
+fn a_range_that_ends_early_is_no_false_alarm() {
+    let mut crate_ = damaged(
+        "src/constants.rs",
+        "accel_clip: [32_764, 32_764, 32_764]",
+        "accel_clip: [8_000, 8_000, 8_000]",
+    );
+    let (_, text) = crate_
+        .sources
+        .iter_mut()
+        .find(|(path, _)| path == "src/constants.rs")
+        .unwrap();
+    *text = text.replace(
+        "mag_clip: [12_000, 12_000, 12_000]",
+        "mag_clip: [900, 900, 900]",
+    );
+    let settings = ProofSettings {
+        cases: 5_000,
+        ..QUICK
+    };
+    assert_eq!(
+        results(&rows(&crate_, &settings), "filter-accurate"),
+        ["tested"]
+    );
+}

@@ -259,6 +259,86 @@ const ATTACKS: &[Attack] = &[
         source: &[],
         certificate: &[("/parameters/1/value", "\"0.003\"")],
     },
+    Attack {
+        what: "the attitude is set by 4 ms of samples",
+        source: &[
+            (CONSTANTS, "window: 256", "window: 4"),
+            (CONSTANTS, "window_shift: 8", "window_shift: 2"),
+        ],
+        certificate: &[],
+    },
+    Attack {
+        what: "the attitude is never set",
+        source: &[
+            (CONSTANTS, "window: 256", "window: 65_536"),
+            (CONSTANTS, "window_shift: 8", "window_shift: 16"),
+        ],
+        certificate: &[],
+    },
+    Attack {
+        what: "a frozen gyroscope is believed twice as long",
+        source: &[(CONSTANTS, "frozen_steps: 25", "frozen_steps: 50")],
+        certificate: &[],
+    },
+    Attack {
+        what: "gravity of another planet, whose vertical is then never seen",
+        source: &[
+            (
+                CONSTANTS,
+                "gravity_squared_min: 4_096",
+                "gravity_squared_min: 26_619",
+            ),
+            (CONSTANTS, "gravity_low: 189_399", "gravity_low: 1_230_882"),
+            (
+                CONSTANTS,
+                "gravity_high: 346_685",
+                "gravity_high: 2_253_068",
+            ),
+            (CONSTANTS, "agreement: 3_355_443", "agreement: 8_554_000"),
+        ],
+        certificate: &[
+            ("/hardware/gravity_m_s2", "\"25\""),
+            ("/closed_loop/sensor_steps/0", "\"0.00009576806640625\""),
+        ],
+    },
+    Attack {
+        what: "the drift is followed in eleven days",
+        source: &[(CONSTANTS, "gain: 18_325_194", "gain: 1_100")],
+        certificate: &[("/hardware/drift_time_s", "\"1000000\"")],
+    },
+    Attack {
+        what: "no drift is followed",
+        source: &[(CONSTANTS, "limit: 767_603_922", "limit: 1")],
+        certificate: &[("/hardware/drift_limit_rad_s", "\"1.2e-10\"")],
+    },
+    Attack {
+        what: "a swing is taken for drift",
+        source: &[(CONSTANTS, "limit: 767_603_922", "limit: 1_073_741_824")],
+        certificate: &[("/hardware/drift_limit_rad_s", "\"5\"")],
+    },
+    Attack {
+        what: "no field is strong enough",
+        source: &[(
+            CONSTANTS,
+            "field_squared_min: 156",
+            "field_squared_min: 1_000_000",
+        )],
+        certificate: &[("/hardware/field_min_uT", "\"800\"")],
+    },
+    Attack {
+        what: "the accelerometer clips below gravity and a motion",
+        source: &[(
+            CONSTANTS,
+            "accel_clip: [32_764, 32_764, 32_764]",
+            "accel_clip: [4_200, 4_200, 4_200]",
+        )],
+        certificate: &[("/hardware/accelerometer/clip_counts", "[4200, 4200, 4200]")],
+    },
+    Attack {
+        what: "the wheel's speed is known beyond what its words show",
+        source: &[(CONSTANTS, "wheel_high: 1_546", "wheel_high: 65_535")],
+        certificate: &[("/hardware/wheel_speed/high_counts", "65535")],
+    },
 ];
 
 /// Claims that fail of the changed crate; a certificate that is not read fails as a whole.
@@ -324,5 +404,5 @@ fn none_of_them_passes() {
         }
     }
     assert!(passed.is_empty(), "nothing noticed: {passed:#?}");
-    assert!(ATTACKS.len() >= 30);
+    assert!(ATTACKS.len() >= 40);
 }

@@ -7,6 +7,7 @@ mod certificate;
 mod closed_loop;
 mod document;
 mod folders;
+mod from_rest;
 mod harnesses;
 mod held_input;
 mod interpreter;

@@ -1,15 +1,15 @@
-//! The attitude filter and the whole step: ranges, for any sensor readings.
+//! The attitude filter: ranges, for any sensor readings.
 //!
 //! The state's invariant has two parts. The ranges of the components are proved by induction for every
 //! bit pattern of every reading: [`step_keeps_ranges`]. The quaternion's length is a polynomial of
 //! degree six, which bit-level solvers do not decide. The source checker proves it in exact
 //! arithmetic, and [`step_keeps_length`] is tested on random states.
 
-use generated::constants::{DUTY_LINE, FILTER, MOUNTING_ANGLE, ZERO_CURRENT};
+use generated::Attitude;
+use generated::constants::{FILTER, MOUNTING_ANGLE};
 use generated::filter::{FilterState, headed, step_imu, step_tracked};
 use generated::madgwick::COMPONENT_MAX;
 use generated::pivot_angle::pivot_angle;
-use generated::{Attitude, Controller, Duty, Sample, Status};
 
 /// Largest half-angle of a step: 2²⁹ in Q32.
 pub const RATE_MAX: i32 = 0x2000_0000;
@@ -119,33 +119,6 @@ pub fn step_keeps_length(state: &FilterState, gyro: [i16; 3], accel: [i16; 3], m
     ] {
         assert!(has_unit_length(&next), "the length is wrong");
     }
-}
-
-/// Claim `step-total`: the duty is within the drive's ends, and that of zero current unless the
-/// controller runs.
-///
-/// # Panics
-/// If the claim does not hold for these readings.
-pub fn duty_within_limits(controller: &mut Controller, sample: &Sample, is_armed: bool) {
-    if is_armed {
-        controller.arm();
-    } else {
-        controller.disarm();
-    }
-    let may_flow = controller.status() == Status::Running;
-    let Duty(duty) = controller.step(sample);
-    assert!(
-        (DUTY_LINE.low..=DUTY_LINE.high).contains(&i32::from(duty)),
-        "the duty is beyond its limits"
-    );
-    assert!(
-        may_flow || duty == ZERO_CURRENT,
-        "a current while not running"
-    );
-    assert!(
-        controller.status() == Status::Running || duty == ZERO_CURRENT,
-        "a current after a trip"
-    );
 }
 
 /// The filter starts within its invariant.

@@ -87,9 +87,8 @@ pub fn observation_is_total(
     gyro: [i16; 3],
     is_clipped: bool,
     shows_gravity: bool,
-    wheel: u16,
+    wheel: i32,
 ) {
-    let wheel = i32::from(wheel);
     let next = observed(counters, gyro, is_clipped, shows_gravity, wheel, &LIMITS);
     assert!((0..=LIMITS.wheel_steps).contains(&next.wheel));
     assert!((0..=LIMITS.frozen_steps).contains(&next.frozen));

@@ -102,7 +102,10 @@ fn a_body_with_an_encoder_has_no_attitude() {
         for module in ["attitude", "filter", "madgwick", "root", "bias_observer"] {
             assert!(emitted.file(&format!("src/{module}.rs")).is_none());
         }
-        assert!(emitted.file("verify/Cargo.toml").is_none());
+        assert!(emitted.file("verify/src/proofs_attitude.rs").is_none());
+        for file in ["Cargo.toml", "src/proofs_step.rs", "src/proofs_encoder.rs"] {
+            assert!(emitted.file(&format!("verify/{file}")).is_some(), "{file}");
+        }
         assert!(
             emitted
                 .file("certificate.json")

@@ -22,6 +22,10 @@ mod proofs_attitude;
 #[cfg(kani)]
 mod proofs_modes;
 #[cfg(kani)]
+mod proofs_product;
+#[cfg(kani)]
 mod proofs_step;
 #[cfg(kani)]
 mod proofs_supervisor;
+#[cfg(kani)]
+mod words;

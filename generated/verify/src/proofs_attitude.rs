@@ -21,7 +21,7 @@ use generated::madgwick::{
     COMPONENT_MAX, Correction, correction_imu, heading_turn, turned, turned_about_up, unit_q28,
 };
 use generated::pivot_angle::wrapped;
-use generated::product::{clamp, clamp_wide, mul_high, round_high};
+use generated::product::round_high;
 use generated::root::{
     coarse_inverse_length, coarse_inverse_root_q30, inverse_length, inverse_root_q30, refined, seed,
 };
@@ -29,26 +29,7 @@ use generated::scaling::{scaled_up2, scaled_up3, scaled_up4};
 use generated::{calibration, lever_arm};
 
 use crate::properties;
-
-#[kani::proof_for_contract(mul_high)]
-fn mul_high_contract() {
-    mul_high(kani::any(), kani::any());
-}
-
-#[kani::proof_for_contract(round_high)]
-fn round_high_contract() {
-    round_high(kani::any());
-}
-
-#[kani::proof_for_contract(clamp)]
-fn clamp_contract() {
-    clamp(kani::any(), kani::any(), kani::any());
-}
-
-#[kani::proof_for_contract(clamp_wide)]
-fn clamp_wide_contract() {
-    clamp_wide(kani::any(), kani::any());
-}
+use crate::words::{any_within, assert_within};
 
 #[kani::proof_for_contract(seed)]
 fn seed_contract() {
@@ -155,25 +136,6 @@ fn coarse_inverse_root_contract() {
 // The stubs below replace a function by its contract: they return any result that the contract allows, for arguments
 // that the contract allows. Rows of products with bounds that are no powers of two do not close as bits; these
 // contracts are proved by the checker, which reads them in the source, by intervals.
-
-/// Any words within ±`limit`.
-pub(crate) fn any_within<const N: usize>(limit: i32) -> [i32; N] {
-    let words: [i32; N] = kani::any();
-    for word in words {
-        kani::assume((-limit..=limit).contains(&word));
-    }
-    kani::cover!(words[0] == limit, "at the limit");
-    words
-}
-
-pub(crate) fn assert_within(words: &[i32], limit: i32) {
-    for word in words {
-        assert!(
-            (-limit..=limit).contains(word),
-            "an argument out of its contract"
-        );
-    }
-}
 
 fn any_reciprocal(n: i32) -> i32 {
     assert!((0x2000_0000..=0x4000_0000).contains(&n));

@@ -12,9 +12,8 @@
 //! products by the checker.
 
 use generated::bias_observer::{BiasObserver, advanced, estimated_bias, waiting};
-use generated::constants::{
-    ANGLE_MAX, BIAS_OBSERVER, DUTY_LINE, LIMITS, RATE_LINE, WHEEL_SPEED_LINE,
-};
+use generated::constants::DUTY_LINE;
+use generated::constants::{ANGLE_MAX, BIAS_OBSERVER, LIMITS, RATE_LINE, WHEEL_SPEED_LINE};
 use generated::drift::{rate_error, tracked};
 use generated::lever_arm::{length_squared, without_motion};
 use generated::line::{Line, on_line};
@@ -25,9 +24,10 @@ use generated::{Angle, CURRENT_LIMIT, Controller, Current, Rate, Sample, WheelSp
 
 use crate::proofs_attitude::{
     any_angle, any_correction, any_direction, any_drift, any_gravity, any_length, any_rate_error,
-    any_reading, any_turn, any_within, assert_within,
+    any_reading, any_turn,
 };
 use crate::properties;
+use crate::words::{any_within, assert_within};
 
 /// [`lines_in_range`] shows it for the lines of this bench.
 fn any_on_line(_word: i32, line: &Line) -> i32 {
@@ -102,10 +102,13 @@ fn any_window(_window: &Window, _up: [i32; 3], _is_quiet: bool, limits: &Limits)
     }
 }
 
+/// The lines of this bench.
+const LINES: [&Line; 3] = [&RATE_LINE, &WHEEL_SPEED_LINE, &DUTY_LINE];
+
 /// Any word on the lines of this bench.
 #[kani::proof]
 fn lines_in_range() {
-    for line in [&RATE_LINE, &WHEEL_SPEED_LINE, &DUTY_LINE] {
+    for line in LINES {
         let value = on_line(kani::any(), line);
         kani::cover!(value == line.high, "the upper end");
         assert!((line.low..=line.high).contains(&value));
@@ -167,7 +170,7 @@ fn step_total() {
     }
     kani::cover!(is_armed && !is_faulty, "armed");
     kani::cover!(is_faulty, "after a fault");
-    properties::attitude::duty_within_limits(&mut controller, &any_sample(), is_armed);
+    properties::step::duty_within_limits(&mut controller, &any_sample(), is_armed);
     kani::cover!(
         controller.status() == generated::Status::Running,
         "running after the step"

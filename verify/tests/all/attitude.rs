@@ -4,9 +4,10 @@ use generated::filter::FilterState;
 use generated::{Controller, Sample};
 use proptest::prelude::*;
 use verify::properties::attitude::{
-    RATE_MAX, duty_within_limits, has_unit_length, in_ranges, starts_in_the_invariant,
-    step_keeps_length, step_keeps_ranges, tracked_step_keeps_ranges,
+    RATE_MAX, has_unit_length, in_ranges, starts_in_the_invariant, step_keeps_length,
+    step_keeps_ranges, tracked_step_keeps_ranges,
 };
+use verify::properties::step::duty_within_limits;
 
 const DRIFT: i32 = generated::constants::FILTER.drift.limit;
 

@@ -188,7 +188,7 @@ proptest! {
         each_limit_trips(&counters, angle);
         each_limit_trips(&counters, angle % LIMITS.angle_trip);
         arming_needs_sound_sensors(&counters, angle % LIMITS.angle_trip, rate % LIMITS.rate_arm);
-        observation_is_total(&counters, gyro, flags.0, flags.1, wheel);
+        observation_is_total(&counters, gyro, flags.0, flags.1, wheel.into());
     }
 
     #[test]

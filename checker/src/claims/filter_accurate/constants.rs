@@ -21,6 +21,8 @@ pub(crate) struct Filter {
 pub(crate) struct Sensor {
     pub(crate) bias: [f64; 3],
     pub(crate) matrix: [[f64; 3]; 3],
+    /// Counts at or beyond which an axis shows nothing; infinite for a gyroscope, which the filter always believes.
+    clip: [f64; 3],
 }
 
 impl Sensor {
@@ -35,7 +37,18 @@ impl Sensor {
                 matrix[row][i] = get(format!("{letter}[{i}]"))? / 2f64.powf(17.0 + shift);
             }
         }
-        Ok(Sensor { bias, matrix })
+        let clip_of = |i: usize| number(words, &format!(".{name}_clip[{i}]"));
+        let clip = if name == "gyro" {
+            [f64::INFINITY; 3]
+        } else {
+            [clip_of(0)?, clip_of(1)?, clip_of(2)?]
+        };
+        Ok(Sensor { bias, matrix, clip })
+    }
+
+    /// Whether no axis is at or beyond the end of its range.
+    pub(crate) fn shows(&self, raw: [i128; 3]) -> bool {
+        (0..3).all(|i| (raw[i] as f64).abs() < self.clip[i])
     }
 
     pub(crate) fn calibrated(&self, raw: [i128; 3]) -> [f64; 3] {

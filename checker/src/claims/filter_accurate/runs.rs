@@ -107,7 +107,8 @@ fn one_step(
     };
 
     if is_clear(squared_length(up), gravity_min) {
-        let usable = (squared_length(up) > gravity_min).then_some(up);
+        let is_usable = filter.accel.shows(accel) && squared_length(up) > gravity_min;
+        let usable = is_usable.then_some(up);
         let arguments = |parts: &[&[i128]]| -> Vec<i128> {
             let mut all = state.clone();
             for part in parts {
@@ -137,7 +138,8 @@ fn one_step(
         && north[0].abs() > 1e-6
         && (north[0] > 0.0 || north[1].abs() > 1e-6);
     if is_known {
-        let seen = (length > field_min && horizontal > 1.0 / 16.0).then_some(north);
+        let is_seen = filter.mag.shows(mag) && length > field_min && horizontal > 1.0 / 16.0;
+        let seen = is_seen.then_some(north);
         let mut arguments = state.clone();
         arguments.extend_from_slice(&mag);
         arguments.extend(filter.flat());
@@ -169,7 +171,7 @@ fn one_alignment(
     arguments.extend(filter.flat());
     let mut machine = Machine::new(align);
     let found = machine.call(&arguments).map_err(|trap| trap.to_string())?;
-    let is_usable = squared > gravity_min;
+    let is_usable = filter.accel.shows(accel) && squared > gravity_min;
     if found[6] != i128::from(is_usable) {
         return Err(format!("align: usable is {} for {accel:?}", found[6]));
     }

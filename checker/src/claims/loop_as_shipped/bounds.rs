@@ -7,7 +7,7 @@ use crate::claims::loop_as_shipped::NoBounds;
 use crate::claims::loop_as_shipped::carried::ROWS;
 use crate::claims::loop_as_shipped::errors::SensorErrors;
 use crate::claims::loop_as_shipped::inertial::MotionBounds;
-use crate::claims::loop_as_shipped::plant::{Loop, delay_off};
+use crate::claims::loop_as_shipped::plant::Loop;
 use crate::claims::loop_as_shipped::responses::{ACCELERATIONS, ASKED, CHANGE, HELD, Responses};
 use crate::exact::rational::{half, integer, power_of_two, short_above as up};
 
@@ -188,8 +188,8 @@ fn following(
     let held = &rows[HELD] + noise + &of_reading;
     let (between, noise) = settled(model, &growth, errors, rows, &end.min(held))?;
     let body = &growth.dry + &between.sine;
-    let late = delay_off() * (&rows[CHANGE] + &of_reading);
-    let first = delay_off() * &responses.first_change * start;
+    let late = &model.delay_off * (&rows[CHANGE] + &of_reading);
+    let first = &model.delay_off * &responses.first_change * start;
     let rows: [BigRational; ROWS] = std::array::from_fn(|row| {
         up(start * &responses.start[row]
             + &responses.sums[0][row] * (&noise + &late)
@@ -237,6 +237,45 @@ impl Bounds {
         all.command = all.command.max(other.command);
         all.angle = all.angle.max(other.angle);
         all
+    }
+}
+
+/// Bounds of the difference between two loops from equal starts, at the samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Difference {
+    /// Of angle, rate and wheel speed (rad, rad/s, rad/s).
+    pub states: [BigRational; 3],
+    /// Of the current that the law asks for (A).
+    pub command: BigRational,
+}
+
+impl Difference {
+    /// The difference to a loop without any error, whose held current is besides another one by up to `apart` (A) in
+    /// every step. The body is shown by an encoder on the pivot, or directly.
+    ///
+    /// # Errors
+    /// [`NoBounds`].
+    pub fn of(
+        model: &Loop,
+        responses: &Responses,
+        errors: &SensorErrors,
+        apart: &BigRational,
+    ) -> Result<Difference, NoBounds> {
+        // The errors of such sensors do not depend on the motion.
+        let still = MotionBounds {
+            acceleration: BigRational::zero(),
+            rate: BigRational::zero(),
+        };
+        let noise = errors.held(&still)? + apart;
+        let row = |row: usize| {
+            up(&responses.sums[0][row] * &noise
+                + &responses.reading[row] * &errors.reading
+                + &responses.before[row] * &errors.at_rest)
+        };
+        Ok(Difference {
+            states: [row(0), row(1), row(2)],
+            command: up(row(ASKED) + errors.asked(&still)? + at_once(model, errors) + apart),
+        })
     }
 }
 

@@ -17,7 +17,9 @@
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
-use crate::certificate::hardware::{CertifiedBody, CertifiedBodyEncoder};
+use crate::certificate::hardware::{
+    CertifiedBody, CertifiedBodyEncoder, CertifiedInertial, CertifiedSensor,
+};
 use crate::certificate::reader::Certificate;
 use crate::claims::control_law::EmittedLaw;
 use crate::claims::held_loop::{back_emf, held_gains};
@@ -57,6 +59,35 @@ pub enum BodyErrors {
     Inertial(Box<InertialErrors>),
     /// An encoder on the pivot.
     Pivot(PivotErrors),
+    /// Angle and rate as they are, to the nearest count.
+    Counts(CountErrors),
+}
+
+/// The errors of an angle and a rate that are measured directly, to half a count of accelerometer and gyroscope.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CountErrors {
+    /// Of the angle (rad).
+    pub angle: BigRational,
+    /// Of the rate, before it becomes a word (rad/s).
+    pub rate: BigRational,
+    /// The ends of both words.
+    pub ranges: [BigRational; 2],
+}
+
+impl CountErrors {
+    fn of(certificate: &Certificate, inertial: &CertifiedInertial) -> CountErrors {
+        let row = |sensor: &CertifiedSensor, row: usize| -> BigRational {
+            let entries = sensor.matrix[row].iter();
+            entries.map(|entry| entry.value.abs()).sum()
+        };
+        let accel = &inertial.accelerometer;
+        let count = row(accel, 0).max(row(accel, 1)) / &inertial.gravity_m_s2.value;
+        CountErrors {
+            angle: up(count * half()),
+            rate: up(row(&inertial.gyroscope, 2) * half()),
+            ranges: [0, 1].map(|index| certificate.inputs[index].range.value.clone()),
+        }
+    }
 }
 
 /// The errors of an encoder on the pivot.
@@ -164,11 +195,29 @@ impl SensorErrors {
         })
     }
 
+    /// Those of sensors that return the nearest count, the angle being measured directly and not by a filter.
+    ///
+    /// # Errors
+    /// [`NoBounds`].
+    pub fn of_counts(
+        certificate: &Certificate,
+        law: &EmittedLaw,
+    ) -> Result<SensorErrors, NoBounds> {
+        let errors = SensorErrors::of(certificate, law, false)?;
+        Ok(match certificate.hardware.inertial() {
+            None => errors,
+            Some(inertial) => SensorErrors {
+                body: BodyErrors::Counts(CountErrors::of(certificate, inertial)),
+                ..errors
+            },
+        })
+    }
+
     /// Those of gyroscope and accelerometer; `None` where an encoder shows the body.
     pub fn inertial(&self) -> Option<&InertialErrors> {
         match &self.body {
             BodyErrors::Inertial(errors) => Some(errors),
-            BodyErrors::Pivot(_) => None,
+            BodyErrors::Pivot(_) | BodyErrors::Counts(_) => None,
         }
     }
 
@@ -180,6 +229,7 @@ impl SensorErrors {
         match &self.body {
             BodyErrors::Inertial(errors) => errors.filter(motion),
             BodyErrors::Pivot(_) => Ok(self.reading.clone()),
+            BodyErrors::Counts(errors) => Ok(errors.angle.clone()),
         }
     }
 
@@ -207,9 +257,9 @@ impl SensorErrors {
     ) -> Result<BigRational, NoBounds> {
         let [n1, n2, n3] = gains;
         let wheel = n3.abs() * &self.wheel_speed;
-        let BodyErrors::Inertial(_) = &self.body else {
+        if let BodyErrors::Pivot(_) = &self.body {
             return Ok(up(wheel));
-        };
+        }
         let (angle, rate) = (self.angle(motion)?, self.rate(motion));
         Ok(up(n1.abs() * angle + n2.abs() * rate + wheel))
     }
@@ -219,6 +269,7 @@ impl SensorErrors {
         let shown = match &self.body {
             BodyErrors::Inertial(errors) => errors.rate(motion),
             BodyErrors::Pivot(errors) => errors.rate.clone(),
+            BodyErrors::Counts(errors) => errors.rate.clone(),
         };
         up(shown + &self.rate_word)
     }
@@ -237,6 +288,9 @@ impl SensorErrors {
             BodyErrors::Pivot(errors) => (rate >= errors.rate_range
                 || *angle >= errors.angle_range)
                 .then_some("the encoder on the pivot may come to the end of what it shows"),
+            BodyErrors::Counts(errors) => (rate >= errors.ranges[1]
+                || angle + &errors.angle >= errors.ranges[0])
+                .then_some("angle or rate may come to the end of its word"),
         }
     }
 }

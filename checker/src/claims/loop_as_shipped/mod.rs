@@ -109,6 +109,12 @@ pub fn by_exact_arithmetic(
                     three(&body.rate),
                     three(&errors.wheel_speed),
                 ),
+                // The loop as shipped has no sensor that measures directly.
+                BodyErrors::Counts(body) => format!(
+                    "errors of the sensors within {} rad, {} rad/s",
+                    three(&body.angle),
+                    three(&body.rate),
+                ),
             };
             let shipped = format!(
                 "armed at rest within {} rad: angle within {} rad, rate {} rad/s, wheel speed {} rad/s, current {} A; {of_body}",

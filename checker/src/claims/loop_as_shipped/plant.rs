@@ -6,7 +6,7 @@ use num_traits::{Signed, Zero};
 
 use crate::certificate::reader::Certificate;
 use crate::claims::control_law::EmittedLaw;
-use crate::claims::held_loop::{back_emf, braked, check_back_emf, held_gains, reach};
+use crate::claims::held_loop::{HeldLoop, back_emf, braked, check_back_emf, held_gains, reach};
 use crate::claims::loop_as_shipped::NoBounds;
 use crate::claims::loop_as_shipped::layout::{Layout, PLANT, SquareGrid};
 use crate::exact::grid::{BITS, Grid, above, exactly, on_grid, times};
@@ -16,7 +16,7 @@ use crate::exact::rational::{integer, power};
 pub const DELAYS: [i128; 4] = [1, 3, 5, 7];
 
 /// Largest deviation of a delay from one of [`DELAYS`], as a share of a sample.
-pub fn delay_off() -> BigRational {
+fn delay_off() -> BigRational {
     BigRational::new(1.into(), 8.into())
 }
 
@@ -60,6 +60,19 @@ const SHAPES: [&str; 4] = [
 /// motion.
 const DERIVED: [&str; 1] = ["body_inertia"];
 
+/// What moves, before it is sampled; the fields of [`Loop`] of the same names.
+struct Bench {
+    gravity: BigRational,
+    a: [[BigRational; 3]; 3],
+    b: [BigRational; 3],
+    dry: BigRational,
+    wheel_dry: BigRational,
+    current_off: BigRational,
+    delay_off: BigRational,
+    /// B, e and e_w.
+    directions: [[BigRational; 3]; 3],
+}
+
 /// One loop.
 #[derive(Clone, Debug)]
 pub struct Loop {
@@ -89,6 +102,8 @@ pub struct Loop {
     pub wheel_dry: BigRational,
     /// The largest error of the current from the drive's dead zone and offset (A).
     pub current_off: BigRational,
+    /// Largest deviation of the delay from this loop's, as a share of a sample.
+    pub delay_off: BigRational,
     /// Immediate effect on the current (A) of an error of 1 rad of one reading of an encoder on the pivot, of either
     /// sign; zero without such an encoder. The effect on the held current is the same, because the back-EMF's share
     /// does not depend on the angle.
@@ -189,9 +204,58 @@ impl Loop {
         let b = [zero(), -&torque / &d, &torque * &lever];
         is_gravity_of_the_model(certificate, &gravity)?;
         check_back_emf(certificate).map_err(NoBounds::Unphysical)?;
-        let back_emf = back_emf(certificate);
-        let a = braked(&a, &b, &back_emf);
+        let body_dry = size(ON_THE_BODY[0]).max(size(ON_THE_BODY[1]));
+        let bench = Bench {
+            gravity,
+            a: braked(&a, &b, &back_emf(certificate)),
+            dry: body_dry / &d,
+            wheel_dry: sum(&ON_THE_WHEEL),
+            current_off: sum(&OF_THE_CURRENT),
+            delay_off: delay_off(),
+            directions: [
+                b.clone(),
+                [zero(), integer(1), integer(-1)],
+                [zero(), integer(1) / &d, -lever],
+            ],
+            b,
+        };
+        Loop::with(certificate, law, bench, eighths)
+    }
 
+    /// The linear model as it is stated, its current without delay, dry friction and offset; gravity is that of A. An
+    /// observer of the angle's bias is left out.
+    ///
+    /// # Errors
+    /// [`NoBounds`].
+    pub fn as_stated(certificate: &Certificate, law: &EmittedLaw) -> Result<Loop, NoBounds> {
+        let zero = BigRational::zero;
+        let held = HeldLoop::of(certificate);
+        let bench = Bench {
+            gravity: held.a[1][0].clone(),
+            dry: zero(),
+            wheel_dry: zero(),
+            current_off: zero(),
+            delay_off: zero(),
+            directions: [
+                held.b.clone(),
+                [zero(), integer(1), integer(-1)],
+                [zero(), zero(), zero()],
+            ],
+            a: held.a,
+            b: held.b,
+        };
+        Loop::with(certificate, law, bench, 0)
+    }
+
+    /// The loop of a bench with a delay of `eighths` of a sample.
+    fn with(
+        certificate: &Certificate,
+        law: &EmittedLaw,
+        bench: Bench,
+        eighths: i128,
+    ) -> Result<Loop, NoBounds> {
+        let Bench { a, b, .. } = &bench;
+        let back_emf = back_emf(certificate);
         let t = certificate.sample_time_s.value.clone();
         if !t.is_positive() {
             return Err(NoBounds::Unphysical(
@@ -199,9 +263,9 @@ impl Loop {
             ));
         }
         let late = &t * integer(eighths) / integer(8);
-        let (ad, whole) = sampled(&a, &b, &t)?;
+        let (ad, whole) = sampled(a, b, &t)?;
         // The effect of the new command in the rest of the sample, after the delay.
-        let (_, new) = sampled(&a, &b, &(&t - late))?;
+        let (_, new) = sampled(a, b, &(&t - late))?;
         let layout = Layout::of(certificate)?;
         let held = layout.row(&held_gains(&law.gains, &back_emf), &t);
         let asked = layout.row(&law.gains, &t);
@@ -209,14 +273,9 @@ impl Loop {
         let reading = layout.reading(&new, &held[0]);
         let at_once = match reading {
             Some(_) => held[0].abs(),
-            None => zero(),
+            None => BigRational::zero(),
         };
 
-        let directions = [
-            b.clone(),
-            [zero(), integer(1), integer(-1)],
-            [zero(), integer(1) / &d, -lever],
-        ];
         // With the wheel's angle, whose rate is the wheel's speed.
         let sums = a.iter().map(|row| row.iter().map(Signed::abs).sum());
         let norm = sums.chain([integer(1)]).max().unwrap_or_default() * &t;
@@ -232,11 +291,11 @@ impl Loop {
         }
         let mut inputs: [[Vec<Grid>; PARTS]; 3] = Default::default();
         let mut later: [BigRational; 3] = Default::default();
-        for (index, v) in directions.iter().enumerate() {
+        for (index, v) in bench.directions.iter().enumerate() {
             let largest = |v: &[BigRational]| v.iter().map(Signed::abs).max().unwrap_or_default();
             later[index] = &rest * largest(v);
             let [angle, rate, speed] = v.clone();
-            let mut term = [angle, rate, speed, zero()];
+            let mut term = [angle, rate, speed, BigRational::zero()];
             for k in 0..LATER {
                 match inputs[index].get_mut(k) {
                     Some(part) => *part = layout.column(&term.each_ref().map(on_grid)),
@@ -252,24 +311,17 @@ impl Loop {
             }
         }
         let later = later.map(|sum| exactly(&above(&sum)));
-        let [_, _, wheel_direction] = &directions;
+        let [_, _, wheel_direction] = &bench.directions;
         let on_wheel = wheel_direction
             .iter()
             .map(Signed::abs)
             .max()
             .unwrap_or_default();
-        let body_dry = size(ON_THE_BODY[0]).max(size(ON_THE_BODY[1]));
         Ok(Loop {
-            dry: body_dry / &d,
-            wheel_dry: sum(&ON_THE_WHEEL),
-            current_off: sum(&OF_THE_CURRENT),
             reach: reach(certificate).unwrap_or_else(|| law.limit.clone()),
             has_supply: certificate.drive.voltage.is_some(),
             limit: law.limit.clone(),
             t,
-            gravity,
-            a,
-            b,
             layout,
             held,
             asked,
@@ -279,6 +331,13 @@ impl Loop {
             inputs,
             later,
             on_wheel,
+            gravity: bench.gravity,
+            a: bench.a,
+            b: bench.b,
+            dry: bench.dry,
+            wheel_dry: bench.wheel_dry,
+            current_off: bench.current_off,
+            delay_off: bench.delay_off,
         })
     }
 }

@@ -25,8 +25,13 @@ pub(crate) const TIMES_S: [(&str, f64); 3] = [
     ("rejected_steps", 2.0),
 ];
 
-/// The most and the fewest refresh periods over which the gyroscope's words may stand still.
-const FROZEN_REFRESHES: [f64; 2] = [5.0, 40.0];
+/// Refresh periods over which the gyroscope's words may stand still.
+const FROZEN_REFRESHES: f64 = 20.0;
+
+/// Time of quiet samples that sets the attitude, s; the window is the nearest power of two of steps, from 2² to 2¹⁶.
+const WINDOW_S: f64 = 0.25;
+/// Exponents of the shortest and the longest window.
+const WINDOW_SHIFTS: [f64; 2] = [2.0, 16.0];
 
 fn word(words: &NamedWords, name: &str) -> Result<f64, String> {
     let word = words.get(&format!("LIMITS.{name}"))?;
@@ -130,17 +135,21 @@ pub(super) fn check(
         .as_ref()
         .map_or(period, |rate| 1.0 / real(&rate.value))
         .max(period);
-    let refreshes = word("frozen_steps")? * period / refresh_s;
-    if !(FROZEN_REFRESHES[0]..=FROZEN_REFRESHES[1]).contains(&refreshes) {
-        return Err(format!(
-            "LIMITS.frozen_steps are {refreshes:.1} refresh periods of the gyroscope"
-        ));
-    }
+    let frozen_s = FROZEN_REFRESHES * refresh_s;
+    near("frozen_steps", (frozen_s / period).max(2.0))?;
 
     let window = word("window")?;
     let shift = word("window_shift")?;
-    if window != 2f64.powf(shift) || !(2.0..=16.0).contains(&shift) {
+    if window != 2f64.powf(shift) {
         return Err(format!("LIMITS.window is {window}, not 2^{shift}"));
+    }
+    let [least, most] = WINDOW_SHIFTS;
+    let wanted = (WINDOW_S / period).log2().clamp(least, most);
+    // Half a power of two, as the nearest one may be off, and a millionth for double precision.
+    if (shift - wanted).abs() > 0.5 + TOLERANCE || !(least..=most).contains(&shift) {
+        return Err(format!(
+            "LIMITS.window is {window} steps: not about the {WINDOW_S} s of quiet samples that set the attitude"
+        ));
     }
     near("quiet_turn", 0.3 * 0.5 * period * 2f64.powi(32))?;
 

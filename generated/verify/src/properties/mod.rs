@@ -5,4 +5,5 @@
 pub mod attitude;
 pub mod control;
 pub mod modes;
+pub mod step;
 pub mod supervisor;

@@ -1,0 +1,212 @@
+//! The two claims about starts at rest, against a loop that is stepped in floating point and knows nothing of the proof.
+
+use std::f64::consts::TAU;
+
+use checker::certificate::reader::{Certificate, matrix, vector};
+use checker::claims::control_law::EmittedLaw;
+use checker::claims::loop_from_rest::{self, LoopFromRest};
+use checker::prove::ClaimOutcome;
+use num_traits::ToPrimitive;
+
+use crate::pivot::{certificate, law, parsed};
+use crate::shipped::real;
+
+/// A loop with an encoder of 2^14 counts on the pivot, its window 4, and a converter at the wheel.
+struct Stepped {
+    a: [[f64; 3]; 3],
+    b: [f64; 3],
+    gains: [f64; 3],
+    t: f64,
+    wheel_count: f64,
+    unit: f64,
+    is_sine: bool,
+    is_rounded: bool,
+}
+
+const WINDOW: usize = 4;
+const COUNT: f64 = TAU / 16_384.0;
+
+impl Stepped {
+    fn of(certificate: &Certificate, law: &EmittedLaw) -> Stepped {
+        let wheel = &certificate.hardware.wheel_speed.rad_s_per_count.value;
+        Stepped {
+            a: matrix(&certificate.plant.a)
+                .each_ref()
+                .map(|row| row.each_ref().map(real)),
+            b: vector(&certificate.plant.b).each_ref().map(real),
+            gains: law.gains.each_ref().map(real),
+            t: real(&certificate.sample_time_s.value),
+            wheel_count: wheel.to_f64().unwrap(),
+            unit: real(&law.unit()),
+            is_sine: false,
+            is_rounded: true,
+        }
+    }
+
+    fn rate(&self, x: [f64; 3], current: f64) -> [f64; 3] {
+        let excess = if self.is_sine { x[0].sin() - x[0] } else { 0.0 };
+        let gravity = self.a[1][0] * excess;
+        [0, 1, 2].map(|i| {
+            let linear: f64 = (0..3).map(|j| self.a[i][j] * x[j]).sum();
+            linear + self.b[i] * current + [0.0, gravity, -gravity][i]
+        })
+    }
+
+    /// The states, and the command, at every sample.
+    fn run(&self, start: f64, steps: usize) -> Vec<[f64; 4]> {
+        let shown = |angle: f64| match self.is_rounded {
+            true => (angle / COUNT).round() * COUNT,
+            false => angle,
+        };
+        let mut x = [start, 0.0, 0.0];
+        let mut before = [shown(start); WINDOW];
+        let mut seen = Vec::new();
+        for _ in 0..steps {
+            let angle = shown(x[0]);
+            let speed = match self.is_rounded {
+                true => (x[2] / self.wheel_count).round() * self.wheel_count,
+                false => x[2],
+            };
+            let rate = (angle - before[WINDOW - 1]) / (WINDOW as f64 * self.t);
+            before.rotate_right(1);
+            before[0] = angle;
+            let mut current = self.gains[0] * angle + self.gains[1] * rate + self.gains[2] * speed;
+            if self.is_rounded {
+                current = (current / self.unit).round() * self.unit;
+            }
+            seen.push([x[0], x[1], x[2], current]);
+            // Runge and Kutta, eight steps a sample.
+            let h = self.t / 8.0;
+            for _ in 0..8 {
+                let along = |x: [f64; 3], k: [f64; 3], h: f64| [0, 1, 2].map(|i| x[i] + h * k[i]);
+                let k1 = self.rate(x, current);
+                let k2 = self.rate(along(x, k1, h / 2.0), current);
+                let k3 = self.rate(along(x, k2, h / 2.0), current);
+                let k4 = self.rate(along(x, k3, h), current);
+                x = [0, 1, 2].map(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+            }
+        }
+        seen
+    }
+}
+
+fn largest(runs: impl Iterator<Item = [f64; 4]>) -> [f64; 4] {
+    runs.fold([0.0; 4], |most, now| {
+        [0, 1, 2, 3].map(|i| f64::max(most[i], now[i].abs()))
+    })
+}
+
+#[test]
+fn the_two_loops_of_the_linear_model_stay_together() {
+    let (certificate, law) = (parsed(&certificate(14, WINDOW as u32)), law());
+    let shown = LoopFromRest::of(&certificate, &law).unwrap();
+    let found = shown.for_all_time(&certificate, &law).unwrap();
+    let start = real(&found.start);
+    println!("from {start:.4} rad");
+    assert!(start > 0.02, "{start}");
+    let emitted = Stepped::of(&certificate, &law);
+    let exact = Stepped {
+        gains: vector(&certificate.gains)
+            .each_ref()
+            .map(|gain| -real(gain)),
+        is_rounded: false,
+        ..Stepped::of(&certificate, &law)
+    };
+    let mut most = [0.0; 4];
+    for share in [-1.0, -0.31, 0.5, 0.77, 1.0] {
+        let both = emitted.run(share * start, 4_000).into_iter();
+        let both: Vec<_> = both.zip(exact.run(share * start, 4_000)).collect();
+        let apart = both
+            .iter()
+            .map(|(one, other)| [0, 1, 2, 3].map(|i| one[i] - other[i]));
+        most = [most, largest(apart)]
+            .into_iter()
+            .fold([0.0; 4], |most, now| {
+                [0, 1, 2, 3].map(|i| f64::max(most[i], now[i]))
+            });
+        let own = largest(both.iter().map(|(one, _)| *one));
+        for (i, bound) in found
+            .bounds
+            .states
+            .iter()
+            .chain([&found.bounds.command])
+            .enumerate()
+        {
+            assert!(
+                own[i] <= real(bound),
+                "quantity {i}: {} of {}",
+                own[i],
+                real(bound)
+            );
+        }
+    }
+    let bounds = found
+        .difference
+        .states
+        .iter()
+        .chain([&found.difference.command]);
+    for (i, bound) in bounds.enumerate() {
+        println!("{i}: {:.3e} of {:.3e}", most[i], real(bound));
+        assert!(most[i] <= real(bound), "quantity {i}");
+        // The bound is for the worst of all roundings; those of a run are some of them.
+        assert!(most[i] > 0.02 * real(bound), "quantity {i}");
+    }
+}
+
+#[test]
+fn from_the_region_the_pendulum_comes_to_the_inner_bounds() {
+    let (certificate, law) = (parsed(&certificate(14, WINDOW as u32)), law());
+    let shown = LoopFromRest::of(&certificate, &law).unwrap();
+    let found = shown.from_rest(&certificate).unwrap();
+    let start = real(&found.start);
+    println!("from {start:.4} rad");
+    let pendulum = Stepped {
+        is_sine: true,
+        ..Stepped::of(&certificate, &law)
+    };
+    for share in [-1.0, 0.4, 1.0] {
+        let run = pendulum.run(share * start, 12_000);
+        let (whole, late) = (
+            largest(run.iter().copied()),
+            largest(run[8_000..].iter().copied()),
+        );
+        let outer = found.bounds.states.iter().chain([&found.bounds.command]);
+        let inner = found.kept.states.iter().chain([&found.kept.command]);
+        for (i, (outer, inner)) in outer.zip(inner).enumerate() {
+            println!(
+                "{i}: {:.3e} of {:.3e}, late {:.3e} of {:.3e}",
+                whole[i],
+                real(outer),
+                late[i],
+                real(inner)
+            );
+            assert!(whole[i] <= real(outer), "quantity {i}");
+            assert!(late[i] <= real(inner), "quantity {i}");
+        }
+        if share == 1.0 {
+            assert!(whole[0] > 0.25 * real(&found.bounds.states[0]));
+        }
+    }
+}
+
+/// A coarse encoder is not proved; an ellipsoid of three states is no statement about such a loop.
+#[test]
+fn what_is_not_shown_is_said() {
+    let (for_all_time, region) =
+        loop_from_rest::by_exact_arithmetic(&parsed(&certificate(8, 14)), &law());
+    for outcome in [for_all_time, region] {
+        assert!(
+            matches!(&outcome, ClaimOutcome::NotRun(why) if why.contains("even from upright")),
+            "{outcome:?}"
+        );
+    }
+    let mut with_set = certificate(14, WINDOW as u32);
+    let text = std::fs::read_to_string("../generated/certificate.json").unwrap();
+    let whole: serde_json::Value = serde_json::from_str(&text).unwrap();
+    with_set["closed_loop"] = whole["closed_loop"].clone();
+    let (for_all_time, _) = loop_from_rest::by_exact_arithmetic(&parsed(&with_set), &law());
+    assert!(
+        matches!(&for_all_time, ClaimOutcome::Failed(why) if why.contains("three states")),
+        "{for_all_time:?}"
+    );
+}
