@@ -402,7 +402,7 @@ fn time_stamps(view: &View, out: &mut Vec<Finding>) {
     if steps.len() < 40 {
         return;
     }
-    steps.sort_by(f64::total_cmp);
+    steps.sort_unstable_by(f64::total_cmp);
     let at = |share: f64| steps[((steps.len() - 1) as f64 * share) as usize];
     if at(0.95) - at(0.05) > JITTER * at(0.5) {
         say(

@@ -41,7 +41,7 @@ fn usual_range(samples: &[f64]) -> Option<f64> {
     if finite.len() < 20 {
         return None;
     }
-    finite.sort_by(f64::total_cmp);
+    finite.sort_unstable_by(f64::total_cmp);
     let at = |share: f64| finite[((finite.len() - 1) as f64 * share) as usize];
     Some(at(0.95) - at(0.05))
 }

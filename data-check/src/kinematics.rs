@@ -253,7 +253,7 @@ fn is_multiple(a: &[f64], b: &[f64]) -> bool {
         .filter(|(a, b)| a.is_finite() && b.is_finite())
         .collect();
     let mut distinct: Vec<f64> = pairs.iter().map(|(a, _)| *a).collect();
-    distinct.sort_by(f64::total_cmp);
+    distinct.sort_unstable_by(f64::total_cmp);
     distinct.dedup();
     let Some(largest) = pairs.iter().max_by(|p, q| p.0.abs().total_cmp(&q.0.abs())) else {
         return false;

@@ -40,6 +40,7 @@ mod view;
 mod wheel;
 
 use bench_files::Bench;
+use rayon::prelude::*;
 
 pub use finding::{Finding, FindingId, Severity};
 pub use propose::{
@@ -51,18 +52,21 @@ use view::{Facts, View};
 
 /// All findings for the data of a bench: refusals first, then in the order of its experiments.
 pub fn check(bench: &Bench) -> Vec<Finding> {
-    let views: Vec<View> = bench.experiments.iter().map(View::new).collect();
+    let views: Vec<View> = bench.experiments.par_iter().map(View::new).collect();
     let facts = Facts::of(bench, &views);
     let mut found = vec![];
     known::check(bench, &mut found);
-    for view in &views {
+    // The experiments are checked side by side; the findings keep the experiments' order.
+    found.par_extend(views.par_iter().flat_map_iter(|view| {
+        let mut found = vec![];
         channels::check(view, &mut found);
         held::check(view, &mut found);
         swing::check(view, &mut found);
         kinematics::check(view, &mut found);
         momentum::check(view, &mut found);
         law::check(bench, view, &mut found);
-    }
+        found
+    }));
     wheel::check(bench, &views, &facts, &mut found);
     copies::check(&views, &mut found);
     let mut found = accepted(bench, found);

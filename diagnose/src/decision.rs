@@ -63,15 +63,19 @@ pub fn decide(
         remainder,
     };
     let usual = most_usual(found, shared);
+    let excess: Vec<f64> = (0..found.pool.len()).map(excess).collect();
+    // What ties share is certain as far as it takes something away without the effects on which they disagree. Beside one
+    // of those it may be needed (an eccentricity makes up for a spring), and without them its size is zero: it is then as
+    // provisional as they are.
+    let taken_by_itself = without_absorbers(found, shared, &excess, thresholds.least_gain);
     match (verdict, usual) {
         (Verdict::NothingMissing | Verdict::Explained, _) => settled(shared, findings.remainder),
         (Verdict::Ambiguous, Some(usual)) => Decision {
             provisional: Some(usual),
             ties: found.ties.clone(),
-            ..settled(shared, left(usual))
+            ..settled(taken_by_itself, left(usual))
         },
         (Verdict::Ambiguous | Verdict::Unexplained, usual) => {
-            let excess: Vec<f64> = (0..found.pool.len()).map(excess).collect();
             // Ties that explain more than they leave are offered as alternatives, even if something else remains.
             if let Some(usual) = usual
                 .filter(|&usual| without_absorbers(found, usual, &excess, excess[usual]) == usual)
@@ -79,7 +83,7 @@ pub fn decide(
                 return Decision {
                     provisional: Some(usual),
                     ties: found.ties.clone(),
-                    ..settled(shared, left(usual))
+                    ..settled(taken_by_itself, left(usual))
                 };
             }
             // What the ties share is a part of each of them. It is judged by what remains beside the whole of them, not
@@ -181,6 +185,28 @@ mod tests {
         let decision = of(&found);
         assert_eq!(decision.verdict, Verdict::Ambiguous);
         assert_eq!((decision.certain, decision.provisional), (1, Some(2)));
+    }
+
+    /// An encoder with play on a soft base: an eccentricity is part of both explanations, and takes nothing away without
+    /// the spring or the drag beside it.
+    #[test]
+    fn what_ties_share_and_takes_nothing_by_itself_is_not_certain() {
+        let found = search(
+            &[
+                (&[], 300.0, 9.0, -50.0),
+                (&[Coulomb], 90.0, 4.0, -20.0),
+                (&[Coulomb, Eccentricity], 90.0, 4.0, -23.0),
+                (&[Coulomb, Softening, Eccentricity], 2.0, 0.5, 0.0),
+                (&[Coulomb, Drag, Eccentricity], 2.0, 0.5, -0.5),
+            ],
+            3,
+            &[3, 4],
+        );
+        let decision = of(&found);
+        assert_eq!(decision.verdict, Verdict::Ambiguous);
+        assert_eq!(decision.certain, 1);
+        assert!(matches!(decision.provisional, Some(3 | 4)));
+        assert_eq!(decision.ties, [3, 4]);
     }
 
     #[test]

@@ -12,6 +12,12 @@ use crate::records::Record;
 /// A fit may be stuck if it leaves more than this share of the squares about the mean (both beyond the noise). A model
 /// that lacks an effect stays below it (0.1 is a fit of 68 %); a model that has lost the phase does not.
 const DOUBTFUL: f64 = 0.1;
+/// Logs with fewer samples in all are fitted from the other starts, too, if they leave more than noise. A part of a
+/// period has local minima in which a strong friction imitates the motion, and leaves little of it; so few samples take
+/// little time.
+const FEW_SAMPLES: usize = 1000;
+/// Standard deviations by which the cost of a fit to so few samples may exceed that of noise.
+const MORE_THAN_NOISE: f64 = 4.0;
 /// Lengths, in samples, of the windows for the other starts, over which the equations of motion are integrated. In a
 /// coarse log, quadrature errors accumulate over longer windows; in a dense log, shorter windows contain too little
 /// motion.
@@ -31,7 +37,7 @@ pub fn first_fit(problem: &FitProblem, effort: Effort) -> Minimum {
     let mut doubtful = true;
     let mut look = |minimum: &Minimum| doubtful = is_doubtful(&records, minimum);
     let first = fit_in_stages(&records, &base, shown.clone(), &free, effort, &mut look);
-    if !doubtful && first.cost.is_finite() {
+    if !doubtful && first.cost.is_finite() && !is_short_and_misses(&records, &first) {
         return first;
     }
     let mut starts: Vec<Vec<f64>> = WINDOW_SAMPLES
@@ -66,6 +72,14 @@ pub fn first_fit(problem: &FitProblem, effort: Effort) -> Minimum {
         best = refit(&records, &base, best.values, best.windows, &free, effort);
     }
     best
+}
+
+/// Whether a fit to few samples leaves more than noise. A χ² of n samples has mean n and variance 2 n.
+fn is_short_and_misses(records: &[&Record], minimum: &Minimum) -> bool {
+    let samples: usize = records.iter().map(|record| record.len()).sum();
+    let observed: usize = records.iter().map(|record| record.observations()).sum();
+    let noise = observed as f64;
+    samples < FEW_SAMPLES && minimum.cost > noise + MORE_THAN_NOISE * (2.0 * noise).sqrt()
 }
 
 /// Whether the residual of a fit is so large that the fit may be stuck.

@@ -1,7 +1,10 @@
 //! The identification: from a bench to a fitted model with all statements about it.
 
 use bench_files::numbers::number;
-use plant::{EffectId, Instant, LearnedCoordinate, Model, Smoothing};
+use plant::{
+    BASE_PARAMETERS, EffectId, Instant, LearnedCoordinate, Model, Smoothing, TOTAL_INERTIA,
+    WHEEL_INERTIA,
+};
 use rayon::prelude::*;
 
 use crate::bench::{FitProblem, IdentifyError};
@@ -16,7 +19,7 @@ use crate::learned::learn;
 use crate::progress::Progress;
 use crate::records::{Output, Record};
 use crate::residuals::{FoundPush, PushModel, find_pushes};
-use crate::statements::{cautions, statements};
+use crate::statements::{OPEN_RELATIVE_STD, cautions, statements};
 
 /// A fitted model with all statements about it.
 #[derive(Clone, Debug)]
@@ -39,7 +42,7 @@ pub struct Identification {
 ///
 /// # Errors
 /// [`IdentifyError::NotFinite`] if no start gives a finite simulation; [`IdentifyError::NoBetterThanMeans`] if no start
-/// gives a fit that follows the logs.
+/// gives a fit that follows the logs; [`IdentifyError::InertiaOpen`] if they leave an inertia open.
 pub fn identify(
     problem: &FitProblem,
     model: &Model,
@@ -64,21 +67,38 @@ pub fn identify_until(
     Ok(found)
 }
 
-/// Rejects a fit that has failed: one that predicts the logs no better than their means.
+/// Rejects a fit that has failed: one that predicts the logs no better than their means, or one that leaves an inertia
+/// open. No motion can be computed without the inertias. An inertia that the logs do not show at all is not fitted and
+/// does not count.
 ///
 /// # Errors
-/// [`IdentifyError::NoBetterThanMeans`].
+/// [`IdentifyError::NoBetterThanMeans`], [`IdentifyError::InertiaOpen`].
 pub fn refuse_failed(problem: &FitProblem, fit: &Fit) -> Result<(), IdentifyError> {
     let (model, windows) = (&fit.model, &fit.minimum.windows);
     let problem = problem.suited_to(model);
     let records = problem.all_records();
     let unknowns = Unknowns::new(model, &problem.free(model));
     let series = failed_series(&records, model, &fit.minimum.values, windows, &unknowns);
-    if series.is_empty() {
-        Ok(())
-    } else {
-        Err(IdentifyError::NoBetterThanMeans { series })
+    if !series.is_empty() {
+        return Err(IdentifyError::NoBetterThanMeans { series });
     }
+    match [TOTAL_INERTIA, WHEEL_INERTIA]
+        .into_iter()
+        .find_map(|position| open(fit, position))
+    {
+        Some(error) => Err(error),
+        None => Ok(()),
+    }
+}
+
+/// The error of a fit in which the parameter at this position is fitted and not determined.
+fn open(fit: &Fit, position: usize) -> Option<IdentifyError> {
+    let (value, std) = (fit.values[position], fit.std(position)?);
+    (std >= OPEN_RELATIVE_STD * value.abs()).then_some(IdentifyError::InertiaOpen {
+        parameter: BASE_PARAMETERS[position].name,
+        value,
+        std,
+    })
 }
 
 /// As [`identify_until`], for a model that need not follow the logs. A diagnosis begins with such a model: the effect

@@ -11,7 +11,7 @@ use crate::records::{BALANCE_WINDOW_S, Record};
 use crate::residuals::{is_slow, samples_in_window};
 
 /// Relative standard error above which a parameter counts as not identified.
-const OPEN_RELATIVE_STD: f64 = 1.0;
+pub(crate) const OPEN_RELATIVE_STD: f64 = 1.0;
 
 /// Warnings where the numbers of the comparison can mislead.
 pub(crate) fn cautions(records: &[&Record], traces: &[Vec<PredictedSeries>]) -> Vec<String> {

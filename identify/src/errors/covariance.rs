@@ -35,7 +35,13 @@ use crate::records::{Record, input_noise_std};
 
 /// Covariance of the free parameters in the fit's coordinates (a logarithmic parameter as its
 /// logarithm), from the final windows of a fit; `None` if the information matrix is singular.
-/// `held` marks unknowns that lie on a bound: they are treated as given.
+///
+/// `held` marks unknowns that lie on a bound. They have no standard error of their own (their rows are zero), but those
+/// of the others cover that the true value may lie inside: a wheel with a little friction, fitted with none, has an
+/// inertia that is wrong by more than the error of a fit in which the friction is known to be zero. The fit within the
+/// bounds is, in the metric of the information, the point nearest to the fit without them. Since the truth lies within the
+/// bounds, it is at least as near to the truth as that fit, whose covariance therefore covers it. A logarithmic unknown is
+/// treated as given: its bounds lie where it no longer has any influence.
 pub fn covariance(
     records: &[&Record],
     windows: &[Vec<Window>],
@@ -64,8 +70,16 @@ pub fn covariance(
     if let Some(penalty) = crate::learned::penalty_of(model, unknowns) {
         middle += penalty;
     }
-    let inverse = pseudo_inverse(information, held)?;
-    Some(&inverse * middle * &inverse)
+    let bounds = held.iter().zip(&unknowns.logarithmic);
+    let given: Vec<bool> = bounds.map(|(held, log)| *held && *log).collect();
+    let inverse =
+        pseudo_inverse(information, &given).or_else(|| pseudo_inverse(information, held))?;
+    let mut covariance = &inverse * middle * &inverse;
+    for (index, _) in held.iter().enumerate().filter(|(_, held)| **held) {
+        covariance.row_mut(index).fill(0.0);
+        covariance.column_mut(index).fill(0.0);
+    }
+    Some(covariance)
 }
 
 /// H⁻¹ over the unknowns that are not held and have some information; zero rows for the others.

@@ -10,8 +10,8 @@
 //! φ̇ + α̇ = c + (τ/j_w) ∫i − (r_w/j_w) ∫φ̇                                  wheel driven
 //! ```
 //!
-//! If the rate was not measured, the first equation is integrated once more, and each window has its own constant
-//! and slope. Both are projected out of every term. A handful of samples is enough.
+//! If the rate was not measured, the equations that contain it are integrated once more, and each window has its own
+//! constant and slope. Both are projected out of every term. A handful of samples is enough.
 
 use plant::{Kind, Output};
 
@@ -145,18 +145,28 @@ impl Motion {
         let time_s = &record.time_s[window.clone()];
         let speed = &speed[window.clone()];
         let mut left = speed.to_vec();
+        let mut drive = charge[window.clone()].to_vec();
+        let mut spin = integral(time_s, speed);
+        let mut own = 1;
         if record.kind != Kind::SpinUp {
-            let Some(rate) = &self.rate else {
-                return;
+            // The speed over ground, or its integral where only the body's angle is known.
+            let body = match (&self.rate, &self.angle) {
+                (Some(rate), _) => rate,
+                (None, Some(angle)) => {
+                    for series in [&mut left, &mut drive, &mut spin] {
+                        *series = integral(time_s, series);
+                    }
+                    own = 2;
+                    angle
+                }
+                (None, None) => return,
             };
-            for (left, rate) in left.iter_mut().zip(&rate[window.clone()]) {
-                *left += rate;
+            for (left, body) in left.iter_mut().zip(&body[window]) {
+                *left += body;
             }
         }
-        let mut drive = charge[window].to_vec();
-        let mut spin = integral(time_s, speed);
         for series in [&mut left, &mut drive, &mut spin] {
-            project_out(time_s, 1, series);
+            project_out(time_s, own, series);
         }
         for k in 0..left.len() {
             wheel.push(&[drive[k], -spin[k]], left[k]);
@@ -284,11 +294,13 @@ mod tests {
             let found = integrated_ratios(&[&swing], 64);
             near(found.gravity_over_total, gravity / total, "G/Θ");
         }
-        let driven = log(Kind::Driven, 200, 0.01, true);
-        let found = integrated_ratios(&[&driven], 64);
-        near(found.gravity_over_free, gravity / (total - wheel), "G/D");
-        near(found.torque_over_free, torque / (total - wheel), "τ/D");
-        near(found.torque_over_wheel, torque / wheel, "τ/j_w");
+        for with_rate in [true, false] {
+            let driven = log(Kind::Driven, 200, 0.01, with_rate);
+            let found = integrated_ratios(&[&driven], 64);
+            near(found.gravity_over_free, gravity / (total - wheel), "G/D");
+            near(found.torque_over_free, torque / (total - wheel), "τ/D");
+            near(found.torque_over_wheel, torque / wheel, "τ/j_w");
+        }
     }
 
     #[test]

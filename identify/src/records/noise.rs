@@ -156,7 +156,7 @@ fn noise_between_steps(samples: &[f64]) -> f64 {
     if sizes.is_empty() {
         return 0.0;
     }
-    sizes.sort_by(f64::total_cmp);
+    sizes.sort_unstable_by(f64::total_cmp);
     let largest = samples.iter().filter(|value| value.is_finite());
     let largest = largest.fold(0.0f64, |largest, value| largest.max(value.abs()));
     let calm = sizes[(CALM_SHARE * sizes.len() as f64) as usize];
@@ -199,7 +199,7 @@ pub fn resolution(samples: &[f64]) -> f64 {
     if sorted.is_empty() {
         return 0.0;
     }
-    sorted.sort_by(f64::total_cmp);
+    sorted.sort_unstable_by(f64::total_cmp);
     let scale = sorted[sorted.len() - 1].abs().max(sorted[0].abs());
     let steps = || {
         let pairs = sorted.windows(2).map(|pair| pair[1] - pair[0]);

@@ -7,6 +7,8 @@
 //! derivatives. [`Bump`] has weights over the intervals between samples, which sum to 1, so that a constant
 //! acceleration is exact with any number of samples.
 
+use std::cell::OnceCell;
+
 use super::record::Record;
 
 /// Length of a bump in s: well below a period of the pendulum, and long enough to average the noise.
@@ -44,29 +46,41 @@ pub fn bumps(
     let mut start = 0;
     while start + length <= n {
         let window = start..start + length;
-        let (a, b) = (record.time_s[start], record.time_s[start + length - 1]);
-        let weight = |k: usize, order: usize| bump(record.time_s[k], (a, b), order);
-        let scale = ((b - a) / 2.0).powi(4);
+        let is_whole = record.weight[window.clone()].iter().all(|w| *w > 0.0);
+        // Every integral of an order has the same weights; a bump has several.
+        let weights: [OnceCell<Vec<f64>>; 3] = Default::default();
         let integral = |f: &dyn Fn(usize) -> f64, order: usize| {
-            let mut sum = 0.0;
-            for k in window.start..window.end - 1 {
-                let step = record.time_s[k + 1] - record.time_s[k];
-                sum += 0.5 * step * (f(k) * weight(k, order) + f(k + 1) * weight(k + 1, order));
-            }
-            if order == 1 {
-                // Euler–Maclaurin: dψ/dt vanishes at the ends, but its slope 2 (b − a)² does not.
-                let (first, last) = (window.start, window.end - 1);
-                let steps = (record.time_s[first + 1] - a, b - record.time_s[last - 1]);
-                let ends = steps.1.powi(2) * f(last) - steps.0.powi(2) * f(first);
-                sum -= ends * 2.0 * (b - a).powi(2) / 12.0;
-            }
-            sum / scale
+            let order = order.min(2);
+            let weights =
+                weights[order].get_or_init(|| quadrature(&record.time_s[window.clone()], order));
+            dot(weights, window.clone().map(f))
         };
-        if record.weight[window.clone()].iter().all(|w| *w > 0.0) {
+        if is_whole {
             each(&integral);
         }
         start += (length / 2).max(1);
     }
+}
+
+/// The weights of the samples at these times in ∫ f dᵒψ/dtᵒ dt for a bump over all of them, divided by (T/2)⁴ with its
+/// length T. They are those of the trapezoidal rule, corrected at the ends for the first order.
+fn quadrature(time_s: &[f64], order: usize) -> Vec<f64> {
+    let last = time_s.len() - 1;
+    let (a, b) = (time_s[0], time_s[last]);
+    let scale = ((b - a) / 2.0).powi(4);
+    let mut weights: Vec<f64> = (0..=last)
+        .map(|k| {
+            let span = time_s[(k + 1).min(last)] - time_s[k.saturating_sub(1)];
+            0.5 * span * bump(time_s[k], (a, b), order) / scale
+        })
+        .collect();
+    if order == 1 {
+        // Euler–Maclaurin: dψ/dt vanishes at the ends, but its slope 2 (b − a)² does not.
+        let slope = 2.0 * (b - a).powi(2) / 12.0 / scale;
+        weights[0] += (time_s[1] - a).powi(2) * slope;
+        weights[last] -= (b - time_s[last - 1]).powi(2) * slope;
+    }
+    weights
 }
 
 /// The weights of a bump over the intervals from `centre − half` to `centre + half`, and over the
