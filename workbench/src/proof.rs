@@ -100,8 +100,8 @@ fn generated_again(folder: &Path, model: &Path) -> Result<ClaimResult, Error> {
 }
 
 impl GeneratedController {
-    /// As [`prove`], for a controller that has not been written. Kani, which needs a folder, is not
-    /// run.
+    /// As [`prove`], for a controller that has not been written. It is compared with the model that it was emitted from,
+    /// but not with the output of the generator, which it is. Kani, which needs a folder, is not run.
     ///
     /// # Errors
     /// As for [`prove`].
@@ -153,7 +153,7 @@ impl GeneratedController {
             claims: checker::prove::settle_telling(
                 &emitted,
                 &certificate,
-                None,
+                Some(self.model_text.as_str()).filter(|text| !text.is_empty()),
                 settings,
                 &|what| {
                     (progress.say)(what);
