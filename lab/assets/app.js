@@ -92,6 +92,7 @@ async function refresh() {
   design.setBench(bench);
   await Promise.all([why.setBench(bench), controller.setBench(bench)]);
   keepFocus();
+  if (fresh && document.activeElement === document.body) byId(`tab-${shownTab}`).focus({ preventScroll: true });
   document.body.dataset.ready = String(Number(document.body.dataset.ready ?? 0) + 1);
 }
 
@@ -118,6 +119,9 @@ function remarks(bench) {
 }
 
 function tab(name) {
+  // Who works with the keyboard would be at the top of the page again, where the focus is in a panel that is hidden now.
+  const leaves = document.activeElement?.closest("[role=tabpanel]");
+  if (leaves && leaves.id !== `panel-${name}`) byId(`tab-${name}`).focus({ preventScroll: true });
   for (const one of TABS) {
     const on = one === name;
     const knob = byId(`tab-${one}`);
