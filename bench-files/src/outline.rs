@@ -112,6 +112,36 @@ impl BenchOutline {
         self.save()
     }
 
+    /// Adds the entries `[[experiment]]` of another bench.toml, with their comments. No file is written: the result is
+    /// the whole text.
+    ///
+    /// # Errors
+    /// A sentence: the other text is no TOML, or this bench lists its experiments in square brackets, where an entry
+    /// cannot keep its comments.
+    pub fn with_experiments_of(&self, other: &str) -> Result<String, String> {
+        let other: DocumentMut = other
+            .parse()
+            .map_err(|error: toml_edit::TomlError| error.message().to_owned())?;
+        let mut document = self.document.clone();
+        let list = document
+            .entry("experiment")
+            .or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new()));
+        let Some(list) = list.as_array_of_tables_mut() else {
+            return Err(format!(
+                "{}: write its experiments as [[experiment]] sections first",
+                self.file.display()
+            ));
+        };
+        let added = other.get("experiment").and_then(Item::as_array_of_tables);
+        for table in added.into_iter().flatten() {
+            let mut table = table.clone();
+            // Where it stood in the other file says nothing here: it follows the last one.
+            table.set_position(None);
+            list.push(table);
+        }
+        Ok(document.to_string())
+    }
+
     /// Enters a recording under `[bring_up]`, in place of an older one, and writes the file.
     ///
     /// # Errors

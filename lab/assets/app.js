@@ -65,10 +65,10 @@ async function refresh() {
   const opens = !bench || choosing;
   byId("opening").hidden = !opens;
   byId("lab").hidden = opens;
-  byId("report").hidden = !bench;
+  byId("report").hidden = opens;
   byId("open-other").hidden = !bench;
   byId("open-other").textContent = choosing ? "Back" : "Open another bench";
-  byId("undo").hidden = !bench;
+  byId("undo").hidden = opens;
   byId("undo").disabled = !bench || bench.undo === 0;
   byId("bench-name").textContent = bench ? `${bench.name} · ${bench.folder}` : "";
   document.title = bench ? `${bench.name} · flywheel lab` : "flywheel lab";
@@ -92,6 +92,7 @@ async function refresh() {
   design.setBench(bench);
   await Promise.all([why.setBench(bench), controller.setBench(bench)]);
   keepFocus();
+  if (fresh && document.activeElement === document.body) byId(`tab-${shownTab}`).focus({ preventScroll: true });
   document.body.dataset.ready = String(Number(document.body.dataset.ready ?? 0) + 1);
 }
 
@@ -106,7 +107,7 @@ function notice() {
     line.replaceChildren(el("span", { class: "grow" }, `${outside.join(", ")} changed outside of the lab. ${anew}`),
       el("button", { type: "button", id: "read-anew", onclick: () => begin({ task: "open", path: folder }) }, "Read the folder anew"));
   } else if (unsaved) {
-    line.replaceChildren(el("span", { class: "grow" }, `The model could not be written: ${unsaved}`));
+    line.replaceChildren(el("span", { class: "grow" }, `The model could not be written: ${unsaved}. Everything else works; what the lab finds is lost when it ends.`));
   }
 }
 
@@ -118,6 +119,9 @@ function remarks(bench) {
 }
 
 function tab(name) {
+  // Who works with the keyboard would be at the top of the page again, where the focus is in a panel that is hidden now.
+  const leaves = document.activeElement?.closest("[role=tabpanel]");
+  if (leaves && leaves.id !== `panel-${name}`) byId(`tab-${name}`).focus({ preventScroll: true });
   for (const one of TABS) {
     const on = one === name;
     const knob = byId(`tab-${one}`);
@@ -146,7 +150,14 @@ byId("undo").addEventListener("click", () => begin({ task: "undo" }));
 byId("report").addEventListener("click", report);
 byId("cancel").addEventListener("click", callOff);
 byId("message-close").addEventListener("click", () => complain(null));
-byId("open-other").addEventListener("click", () => { choosing = !choosing; refresh().catch(complain); });
+byId("open-other").addEventListener("click", () => choose(!choosing));
+
+/** Shows where a bench is opened and where logs are dropped, or goes back to the bench. */
+function choose(wanted) {
+  choosing = wanted;
+  complain(null);
+  refresh().catch(complain);
+}
 
 /** The report takes seconds to make; then the browser keeps it as a file. */
 async function report() {
@@ -190,8 +201,11 @@ function told(event) {
   }
 }
 
+// What sticks below the bars is told their height.
+new ResizeObserver(() => document.documentElement.style.setProperty("--bars", `${byId("bars").offsetHeight}px`)).observe(byId("bars"));
+
 for (const part of [opening, controller]) part.start(begin, complain);
 sliders.start(begin, () => tab("why"));
 curves.start(complain);
 design.start(begin, complain);
-why.start(begin, () => tab("design")).then(() => listen(told)).catch(complain);
+why.start(begin, () => tab("design"), () => choose(true)).then(() => listen(told)).catch(complain);

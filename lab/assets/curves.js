@@ -251,7 +251,9 @@ function stepped(event) {
 
 function zoomed(change) {
   if (drawing) return;
-  if (change["xaxis.autorange"]) {
+  // A double click and the button "Reset axes" go back to the range of the first drawing: the whole log. The library
+  // reports this range as a pair, and a dragged one by its ends.
+  if (change["xaxis.autorange"] || "xaxis.range" in change) {
     view = { from_s: null, to_s: null };
     ghost = null;
     request(true);

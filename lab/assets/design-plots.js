@@ -18,7 +18,7 @@ export function plots(into) {
   holders = FIGURES.map((figure) => {
     const element = el("div", { class: `plot ${figure.size ?? ""}`, role: "img", "aria-label": figure.title });
     const about = el("p", { class: "quiet small" });
-    into.append(el("div", { class: "figure" }, el("h3", {}, figure.title), about, element));
+    into.append(el("div", { class: "figure" }, el("h2", {}, figure.title), about, element));
     watcher.observe(element);
     return { element, about, figure, seen: false, old: true };
   });

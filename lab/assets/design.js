@@ -196,7 +196,7 @@ function tell() {
   const all = [{ name: "now", result }, ...aside];
   const names = [...new Set(all.flatMap((one) => one.result.numbers.map(([name]) => name)))];
   const value = (one, name) => one.result.numbers.find(([own]) => own === name)?.[1] ?? "–";
-  parts.numbers.replaceChildren(table(["", ...all.map((one) => one.name)],
+  parts.numbers.replaceChildren(table(["of the loop", ...all.map((one) => one.name)],
     names.map((name) => el("tr", {}, el("td", { class: "wrap quiet" }, name), all.map((one) => el("td", { class: "wrap" }, value(one, name)))))));
   parts.aside.replaceChildren(...(aside.length ? ["Aside: ", ...aside.map((one) => el("span", { class: "row" },
     el("button", { type: "button", title: "move the sliders to this design", onclick: () => { wishes = structuredClone(one.wishes); compute(true); } }, `Take ${one.name}`),

@@ -11,6 +11,8 @@ let corrections = { known: {}, files: {} };
 let decided = new Set();
 let holder = null;
 let typed = null;
+// Whether the text of bench.toml cannot be read with these files.
+let unread = false;
 // The previews that are shown, each as the call that draws it.
 let previews = [];
 
@@ -65,15 +67,17 @@ async function correct() {
   }
 }
 
-async function forget() {
-  corrections = { known: {}, files: {} };
-  decided = new Set();
+/** Forgets one file with what was said of it, or all. */
+async function forget(name = null) {
+  if (name) delete corrections.files[name];
+  else corrections = { known: {}, files: {} };
+  decided = new Set([...decided].filter((key) => name && !key.startsWith(`${name}: `)));
   try {
-    await send("/api/drop");
-    show(await get("/api/drop"));
+    await send(`/api/drop${name ? `?name=${encodeURIComponent(name)}` : ""}`);
   } catch (error) {
     complain(error);
   }
+  await correct();
 }
 
 function show(found) {
@@ -82,25 +86,30 @@ function show(found) {
     return;
   }
   const lines = (name) => found.files.find((file) => file.name === name)?.lines ?? [];
-  const clear = el("button", { type: "button", onclick: forget }, "Forget these files");
+  const clear = el("button", { type: "button", onclick: () => forget() }, found.files.length === 1 ? "Forget this file" : "Forget these files");
   if (!found.proposal) {
-    holder.replaceChildren(...found.files.map((file) => el("details", {}, el("summary", {}, file.name), el("pre", {}, file.lines.join("\n")))),
-      el("p", { class: "bad" }, found.failure), clear);
+    holder.replaceChildren(el("p", { class: "bad", id: "drop-failure" }, found.failure),
+      ...found.files.map((file) => el("div", { class: "row" }, el("details", { class: "grow" }, el("summary", {}, file.name), el("pre", {}, file.lines.join("\n"))), leaveOut(file.name))), clear);
     return;
   }
   const keep = holder.querySelector("#new-folder")?.value ?? "my-bench";
   const open = new Set([...holder.querySelectorAll("details[open]")].map((one) => one.dataset.part));
   const focused = document.activeElement?.dataset?.focus;
   previews = [];
-  const cards = found.proposal.experiments.map((one, index) => card(one, found.previews[index], lines(one.file), open));
+  const cards = found.proposal.experiments.map((one, index) => card(one, found.previews[index], lines(one.file), open, found.files.length > 1));
   holder.replaceChildren(
     ...found.refused.map((text) => el("p", { class: "bad" }, text)),
-    ...cards, known(found.open_ends), ...bench(found, keep, open, clear));
+    ...cards, known(found.proposal.open ? null : found.open_ends), ...bench(found, keep, open, clear));
   if (focused) holder.querySelector(`[data-focus="${CSS.escape(focused)}"]`)?.focus();
 }
 
+/** One file among several that are good may be none of them. */
+function leaveOut(name) {
+  return el("button", { type: "button", class: "leave-out", "aria-label": `Leave it out: ${name}`, onclick: () => forget(name) }, "Leave it out");
+}
+
 /** One file: what it is, what its columns are, and which part of it counts. */
-function card(one, preview, lines, open) {
+function card(one, preview, lines, open, hasOthers) {
   const choices = structuredClone(one.choices);
   const change = () => { corrections.files[one.file] = choices; correct(); };
   const focus = (part) => ({ "data-focus": `${one.file}:${part}` });
@@ -129,11 +138,15 @@ function card(one, preview, lines, open) {
   const has = (channel) => choices.columns.some((choice) => choice.channel === channel);
   const plot = el("div", { class: "plot preview", role: "img", "aria-label": `Preview of ${one.file}; drag over it to choose the part that counts` });
   const paint = () => previewed(plot, preview, choices, change);
-  previews.push(paint);
-  requestAnimationFrame(paint);
-  return el("section", { class: "card", "data-file": one.file }, el("h3", {}, one.file), el("div", { class: "row" }, kind, el("span", { class: "small quiet grow" }, choices.kind_reason)),
+  const isEmpty = !preview.curves.length;
+  if (!isEmpty) {
+    previews.push(paint);
+    requestAnimationFrame(paint);
+  }
+  return el("section", { class: "card", "data-file": one.file }, el("div", { class: "row" }, el("h3", { class: "grow" }, one.file), hasOthers ? leaveOut(one.file) : ""), el("div", { class: "row" }, kind, el("span", { class: "small quiet grow" }, choices.kind_reason)),
     ...one.questions.map((question) => ask(`${one.file}: ${question}`, question)),
-    el("div", { class: "scroll" }, table(["channel", "column", "unit", "reversed", "why"], rows, ["column", "unit", "reversed", "why"])), plot,
+    el("div", { class: "scroll" }, table(["channel", "column", "unit", "reversed", "why"], rows, ["column", "unit", "reversed", "why"])),
+    isEmpty ? el("p", { class: "bad small" }, "No column is chosen for the body or the wheel: choose it in the table.") : plot,
     el("div", { class: "row" }, number("from_s", "use from", "s", "earlier samples are left out", "start"), number("until_s", "until", "s", "later samples are left out", "end"),
       has("angle") ? number("offset_rad", "add to the angle", "rad", "π where 0 is upright", "0") : "",
       has("current") ? "" : number("held_current_a", "current held at", "A", "0 where the motor was off", "unknown"),
@@ -151,11 +164,13 @@ function ask(key, question) {
 
 function allow() {
   const left = [...holder.querySelectorAll(".question input")].filter((box) => !box.checked).length;
-  const button = holder.querySelector("#make-bench");
-  if (button) {
-    button.disabled = left > 0;
-    holder.querySelector("#open-questions").textContent = left ? `${left} ${left === 1 ? "question is" : "questions are"} to decide above` : "";
+  const words = [left ? `${left} ${left === 1 ? "question is" : "questions are"} to decide above` : "", unread ? "the logs cannot be read yet, see the check" : ""].filter(Boolean);
+  for (const id of ["make-bench", "add-logs"]) {
+    const button = holder.querySelector(`#${id}`);
+    if (button) button.disabled = words.length > 0;
   }
+  const line = holder.querySelector("#open-questions");
+  if (line) line.textContent = words.join("; ");
 }
 
 function previewed(plot, preview, choices, change) {
@@ -198,7 +213,7 @@ function known(openEnds) {
   return el("section", { class: "card" }, el("h3", {}, "What you know of the pendulum"),
     el("p", { class: "small" }, "Leave empty what you do not know; it is identified from the logs where they show it. Hanging is α = 0, upright is α = π, and positive angles turn as the arrow does."),
     el("div", { class: "constants" }, drawing, el("div", {}, fields, earth)),
-    openEnds.length ? el("div", {}, el("strong", {}, "What stays unknown: "), el("ul", { class: "small", id: "open-ends" }, openEnds.map((text) => el("li", {}, text)))) : el("p", { class: "good small" }, "With these logs and constants every parameter of the base model can be found."));
+    !openEnds ? "" : openEnds.length ? el("div", {}, el("strong", {}, "What stays unknown: "), el("ul", { class: "small", id: "open-ends" }, openEnds.map((text) => el("li", {}, text)))) : el("p", { class: "good small" }, "With these logs and constants every parameter of the base model can be found."));
 }
 
 /** The text of bench.toml, what the check says of it, and the folder. */
@@ -206,8 +221,13 @@ function bench(found, folderName, open, clear) {
   const text = el("textarea", { id: "bench-text", rows: 22, spellcheck: "false", "aria-label": "bench.toml as proposed; correct it here" });
   text.value = typed ?? found.proposal.text;
   const findings = el("div", { "aria-live": "polite", id: "drop-findings" });
-  const tell = (one) => findings.replaceChildren(
-    one.failure ? el("p", { class: "bad" }, one.failure) : "",
+  const tell = (one) => {
+    unread = Boolean(one.failure);
+    told(one);
+    allow();
+  };
+  const told = (one) => findings.replaceChildren(
+    one.failure ? el("p", { class: "bad" }, "It cannot be read yet. ", one.failure, ". Choose columns in the table of the file, leave the file out, or edit the text below.") : "",
     one.findings?.length ? el("ul", {}, one.findings.map((finding) => el("li", { class: finding.severity === "refuse" ? "bad" : null }, `${finding.experiment ? `${finding.experiment}: ` : ""}${finding.sentence} ${finding.fix}`)))
       : one.failure ? "" : el("p", { class: "good" }, "The data agree with this description."));
   tell({ findings: found.proposal.findings, failure: found.proposal.open });
@@ -224,7 +244,8 @@ function bench(found, folderName, open, clear) {
     el("details", { "data-part": "text", open: open.has("text") }, el("summary", {}, "bench.toml, as it will be written"),
       el("p", { class: "quiet small" }, "The text can be edited too; it is checked as you type. A correction above replaces it."), text),
     el("div", { class: "row write-bench" }, el("label", { for: "new-folder" }, "New folder"), folder, el("span", { class: "small quiet" }, `in ${found.here}`),
-      el("button", { type: "button", class: "main", id: "make-bench", onclick: () => begin({ task: "create", folder: folder.value.trim(), text: text.value }) }, "Write and open"),
+      el("button", { type: "button", class: found.bench ? null : "main", id: "make-bench", onclick: () => begin({ task: "create", folder: folder.value.trim(), text: text.value }) }, "Write and open"),
+      found.bench ? el("button", { type: "button", class: "main", id: "add-logs", title: "puts these logs and their experiments into the bench that is open; what it knows of the pendulum stays", onclick: () => begin({ task: "add-logs", text: text.value }) }, `Add to ${found.bench}`) : "",
       el("span", { class: "small bad", id: "open-questions", role: "status" }), clear),
   ];
 }

@@ -42,7 +42,8 @@ function fill(line, row, old) {
   const texts = [row.experiment, row.spoken, row.rmse_text, ...(line.moved ? [old?.rmse_text ?? ""] : []), row.noise_text, row.over_noise_text, row.fit_text];
   texts.forEach((text, index) => { if (line.cells[index].textContent !== text) line.cells[index].textContent = text; });
   rmse.dataset.rmse = row.rmse;
-  rmse.className = !old || row.rmse === old.rmse ? "" : row.rmse > old.rmse ? "bad" : "good";
+  // A difference that the digits do not show is none.
+  rmse.className = !old || row.rmse_text === old.rmse_text ? "" : row.rmse > old.rmse ? "bad" : "good";
   over.className = row.fails ? "bad" : "good";
   line.empty = false;
 }

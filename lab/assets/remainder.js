@@ -36,7 +36,7 @@ export function remainder(missing, begin, redraw, present, opened) {
     const side = (sign, more) => ({ x, y: edge(sign), mode: "lines", line: { width: 0 }, hoverinfo: "skip", showlegend: false, ...more });
     return draw(holder, [side(-1, {}), side(1, { fill: "tonexty", fillcolor: colour("shade"), name: "±2 standard errors", showlegend: true }),
       { x, y: missing.points.map((one) => one.torque), mode: "lines", name: "missing torque", line: { color: colour("model"), width: 2 } }],
-    layout({ xaxis: axis(`${spoken} (${missing.unit})`), yaxis: axis(`torque on the ${missing.acts_on} (${missing.torque_unit})`) }));
+    layout({ xaxis: axis(`${spoken} (${missing.unit})`), yaxis: axis(`torque on the ${missing.acts_on}<br>(${missing.torque_unit})`) }));
   });
   const editor = ownEffect(missing, begin);
   return el("div", { class: "card", id: "remainder" }, el("h3", {}, "What no effect explains"),

@@ -43,7 +43,7 @@ function build() {
     el("div", { class: "row" },
       el("button", { type: "button", id: "slider-back", title: "one move back", onclick: back }, "Back"),
       el("button", { type: "button", id: "slider-reset", onclick: reset }, "Reset"),
-      el("button", { type: "button", id: "slider-fit", class: "main", onclick: () => begin({ task: "fit", start: moved() }) }, "Fit from here"),
+      el("button", { type: "button", id: "slider-fit", title: "fit the model, beginning with the values of the sliders", onclick: () => begin({ task: "fit", start: moved() }) }, "Fit from here"),
       el("button", { type: "button", id: "slider-keep", onclick: () => begin({ task: "keep", values: moved() }) }, "Keep"),
     ),
     el("label", { class: "row small" },
@@ -129,6 +129,8 @@ function update() {
   }
   const any = moved().length > 0;
   byId("slider-reset").disabled = !any;
+  // Where nothing has moved, a fit finds what it has found before.
+  byId("slider-fit").classList.toggle("main", any);
   byId("slider-keep").disabled = !any;
   byId("slider-back").disabled = past.length === 0;
 }

@@ -7,6 +7,7 @@ import { remainder } from "./remainder.js";
 const panel = byId("panel-why");
 let begin = () => {};
 let goOn = () => {};
+let addLog = () => {};
 let bench = null;
 let found = null;
 let library = [];
@@ -14,10 +15,11 @@ let redrawPlots = [];
 // How many series of the staircase are named in it.
 const NAMED_STAIRS = 3;
 
-/** `next` shows the design of the controller. */
-export async function start(work, next) {
+/** `next` shows the design of the controller; `record` shows where logs are dropped. */
+export async function start(work, next, record) {
   begin = work;
   goOn = next;
+  addLog = record;
   library = await get("/api/effects");
   onTheme(() => redrawPlots.forEach((call) => call()));
 }
@@ -76,14 +78,16 @@ function onward() {
 /** The experiment that settles what is open: what to do, for how long, and what each explanation would show. */
 function nextExperiment() {
   const recipe = found.recipe;
-  if (!recipe) return el("div", { class: "card" }, el("h3", {}, "Next experiment"), el("p", {}, found.next_experiment));
+  if (!recipe) return el("div", { class: "card" }, el("h3", {}, "Next experiment"), el("p", {}, found.next_experiment), logButton());
   const holder = el("div", { class: "plot", role: "img", "aria-label": `What each explanation predicts for the ${recipe.channel}` });
   const lines = () => recipe.answers.map((answer, index) => ({ x: recipe.time_s, y: answer, mode: "lines", name: recipe.names[index], line: { color: colour(["model", "ghost", "push", "good"][index % 4]), width: 1.6, dash: ["solid", "dot", "dash", "dashdot"][index % 4] } }));
   redrawPlots.push(() => draw(holder, lines(), layout({ xaxis: axis("time (s)", { exponentformat: "none" }), yaxis: axis(`${recipe.channel} (${recipe.unit})`) }), { displayModeBar: false }));
   return el("div", { class: "card", id: "recipe" }, el("h3", {}, "The experiment that settles it"), el("p", {}, `Record ${recipe.experiment}.`),
     el("ol", { class: "small" }, recipe.steps.map((step) => el("li", {}, step))),
-    el("p", { class: "small" }, `The first two explanations differ in the ${recipe.channel} by ${recipe.difference}. `, recipe.widest ?? ""), holder);
+    el("p", { class: "small" }, `The first two explanations differ in the ${recipe.channel} by ${recipe.difference}. `, recipe.widest ?? ""), holder, logButton());
 }
+
+const logButton = () => el("button", { type: "button", class: "add-log", onclick: () => addLog() }, "Add the recorded log …");
 
 function tie() {
   if (!bench.provisional.length) return "";
@@ -145,7 +149,7 @@ function pictures(residual, decay, names) {
   const [was, after] = names;
   const residuals = residual.map((one) => figure(`${one.experiment}: ${one.residual} over ${one.coordinate}`,
     () => [points(one.before, was, "model", "circle"), ...(one.after ? [points(one.after, after, "ghost", "diamond-open")] : [])],
-    `${one.coordinate} (${one.coordinate_unit})`, `${one.is_torque ? "torque" : "difference"} (${one.unit})`));
+    `${one.coordinate} (${one.coordinate_unit})`, `${one.is_torque ? "torque" : "difference"}<br>(${one.unit})`));
   const over = (measured, model, other) => () => [points(measured, "measured", "measured", "circle"),
     ...(other ? [points(other, was, "model", "x")] : []), ...(model ? [points(model, after, "ghost", "diamond-open")] : [])];
   const decays = decay.flatMap((one) => [

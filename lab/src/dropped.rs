@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-use bench_files::{Bench, FilesInMemory};
+use bench_files::{Bench, BenchOutline, FilesInMemory};
 use data_check::Corrections;
 use identify::FitProblem;
 use serde_json::{Value, json};
@@ -78,6 +78,19 @@ impl Dropped {
         Ok(())
     }
 
+    /// Forgets one of them.
+    pub fn leave_out(&mut self, name: &str) {
+        if let Some(index) = self.names.iter().position(|own| own == name) {
+            self.names.remove(index);
+            let path = self.folder().map(|folder| folder.join(name));
+            // One that stays there is no longer named, and goes with the folder.
+            let _ = path.map(fs::remove_file);
+        }
+        if self.names.is_empty() {
+            self.clear();
+        }
+    }
+
     /// Deletes all of them.
     pub fn clear(&mut self) {
         *self = Dropped::default();
@@ -94,8 +107,9 @@ impl Dropped {
         self.names.iter().map(|name| folder.join(name)).collect()
     }
 
-    /// The files with their first lines, and the bench.toml that is proposed for them with what was corrected.
-    pub fn facts(&self, corrections: &Corrections) -> Value {
+    /// The files with their first lines, and the bench.toml that is proposed for them with what was corrected. `open` is
+    /// the name of the bench to which they can be added.
+    pub fn facts(&self, corrections: &Corrections, open: Option<&str>) -> Value {
         let Some(folder) = self.folder() else {
             return json!({"files": []});
         };
@@ -122,6 +136,7 @@ impl Dropped {
                 json!({
                     "files": files,
                     // A new folder is named from here on.
+                    "bench": open,
                     "here": std::env::current_dir().unwrap_or_default().display().to_string(),
                     "refused": refused,
                     "previews": previews,
@@ -169,26 +184,71 @@ impl Dropped {
     pub fn write(&self, folder: &Path, text: &str) -> Result<(), String> {
         Bench::from_files(&self.in_memory(text)).map_err(|error| error.to_string())?;
         let names = self.names.iter().map(String::as_str).chain(["bench.toml"]);
-        for name in names.clone() {
-            let path = folder.join(name);
-            if fs::symlink_metadata(&path).is_ok() {
-                return Err(format!(
-                    "{}: exists already; name another folder",
-                    path.display()
-                ));
-            }
-        }
+        are_free(folder, names, "name another folder")?;
+        bench_files::can_write_into(folder)
+            .map_err(|error| format!("{error}; name a folder that you may write"))?;
         let failed =
             |path: &Path, error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
         fs::create_dir_all(folder).map_err(|error| failed(folder, &error))?;
-        for (from, name) in self.paths().iter().zip(&self.names) {
-            let to = folder.join(name);
-            fs::copy(from, &to).map_err(|error| failed(&to, &error))?;
-        }
+        self.copy_into(folder)?;
         let to = folder.join("bench.toml");
         let text = called_after(folder, text);
         bench_files::write_atomically(&to, text.as_bytes()).map_err(|error| failed(&to, &error))
     }
+
+    /// Adds the files to a bench that exists: the logs beside its own, and the experiments of `text` behind those of its
+    /// bench.toml. Everything else in `text` is left out, because the bench states it already.
+    ///
+    /// # Errors
+    /// A sentence: a file of that name exists, or the bench cannot be read with these experiments. Then nothing is
+    /// written.
+    pub fn add_to(&self, folder: &Path, text: &str) -> Result<(), String> {
+        are_free(
+            folder,
+            self.names.iter().map(String::as_str),
+            "give the new log another name",
+        )?;
+        let outline = BenchOutline::read(folder).map_err(|error| error.to_string())?;
+        // The explanation of all keys above the first experiment stands in the bench already, or was taken out of it.
+        let from = text.find("\n[[experiment]]").unwrap_or(0);
+        let whole = outline.with_experiments_of(&text[from..])?;
+        let bench = Bench::load(folder).map_err(|error| error.to_string())?;
+        let mut files = self.in_memory(&whole);
+        for experiment in &bench.experiments {
+            let path = folder.join(&experiment.file);
+            // bench.toml names its logs from its folder on.
+            let name = path.strip_prefix(folder).unwrap_or(&path);
+            let text = fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+            files.insert(name, text);
+        }
+        Bench::from_files(&files).map_err(|error| error.to_string())?;
+        self.copy_into(folder)?;
+        bench_files::write_atomically(&outline.file, whole.as_bytes())
+            .map_err(|error| error.to_string())
+    }
+
+    fn copy_into(&self, folder: &Path) -> Result<(), String> {
+        for (from, name) in self.paths().iter().zip(&self.names) {
+            let to = folder.join(name);
+            fs::copy(from, &to).map_err(|error| format!("{}: {error}", to.display()))?;
+        }
+        Ok(())
+    }
+}
+
+/// Checks that a folder has no file of these names.
+fn are_free<'n>(
+    folder: &Path,
+    names: impl Iterator<Item = &'n str>,
+    advice: &str,
+) -> Result<(), String> {
+    for name in names {
+        let path = folder.join(name);
+        if fs::symlink_metadata(&path).is_ok() {
+            return Err(format!("{}: exists already; {advice}", path.display()));
+        }
+    }
+    Ok(())
 }
 
 /// The text of bench.toml with the name of its folder, where it still has the proposed one.

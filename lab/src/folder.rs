@@ -143,6 +143,15 @@ const DEMONSTRATION: &str = "out/lab-demo";
 /// A sentence that names the file.
 pub fn demonstration() -> Result<PathBuf, String> {
     let folder = PathBuf::from(DEMONSTRATION);
+    let missing = || {
+        demo::FILES
+            .iter()
+            .any(|(name, _)| !folder.join(name).exists())
+    };
+    if missing() {
+        bench_files::can_write_into(&folder)
+            .map_err(|error| format!("{error}; start the lab in a folder that you may write"))?;
+    }
     let failed = |path: &Path, error: &std::io::Error| format!("{}: {error}", path.display());
     fs::create_dir_all(&folder).map_err(|error| failed(&folder, &error))?;
     for (name, text) in demo::FILES {

@@ -250,7 +250,7 @@ fn design(page: &mut String, session: &Session) -> Result<(), Error> {
     paragraph(
         page,
         &format!(
-            "u = −K x every {} s, K = ({}) A/rad, A s/rad, A s/rad, at most ±{} A; from rest it recovers from {}° at most.",
+            "u = −K x every {} s, K = ({}) A/rad, A s/rad, A s/rad, at most ±{} A; that current can hold the body at rest up to {}° from upright.",
             significant(report.sample_time_s, 4),
             report.gains.map(|gain| significant(gain, 6)).join(", "),
             significant(report.current_limit_a, 4),

@@ -79,7 +79,7 @@ fn controller(findings: &ReportFindings) -> String {
         Ok(designed) => {
             let design = designed.design();
             format!(
-                "Controller: it recovers from at most {}°, and tolerates {} ms of delay beyond its sample time.",
+                "Controller: its current can hold the body at rest up to {}° from upright, and it tolerates {} ms of delay beyond its sample time.",
                 significant(design.recovery_angle_rad.to_degrees(), 3),
                 significant(1e3 * design.margins.delay_margin_s, 3)
             )

@@ -161,15 +161,32 @@ async fn drop_file(
 }
 
 async fn dropped(State(shared): State<Shared>) -> Response {
-    computed(move || Ok(shared.desk.dropped().facts(&Corrections::default()))).await
+    computed(move || Ok(drop_facts(&shared, &Corrections::default()))).await
+}
+
+fn drop_facts(shared: &Shared, corrections: &Corrections) -> Value {
+    let bench = shared.desk.bench();
+    let open = bench
+        .as_ref()
+        .map(|bench| bench.session.bench().name.as_str());
+    shared.desk.dropped().facts(corrections, open)
 }
 
 async fn correct(State(shared): State<Shared>, Json(corrections): Json<Corrections>) -> Response {
-    computed(move || Ok(shared.desk.dropped().facts(&corrections))).await
+    computed(move || Ok(drop_facts(&shared, &corrections))).await
 }
 
-async fn forget(State(shared): State<Shared>) -> StatusCode {
-    shared.desk.dropped().clear();
+#[derive(Deserialize)]
+struct LeftOut {
+    name: Option<String>,
+}
+
+/// Forgets one of the dropped files, or all of them.
+async fn forget(State(shared): State<Shared>, Query(file): Query<LeftOut>) -> StatusCode {
+    match file.name {
+        Some(name) => shared.desk.dropped().leave_out(&name),
+        None => shared.desk.dropped().clear(),
+    }
     StatusCode::NO_CONTENT
 }
 

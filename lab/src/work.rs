@@ -36,6 +36,11 @@ pub enum LabTask {
         /// The text of bench.toml.
         text: String,
     },
+    /// Adds the files that were dropped on the page to the bench that is open, and reads it anew.
+    AddLogs {
+        /// A bench.toml with the experiments of these files.
+        text: String,
+    },
     /// Fits the model to all experiments, from these values of its parameters.
     Fit {
         /// Parameters by name.
@@ -103,6 +108,7 @@ impl LabTask {
         match self {
             LabTask::Open { .. } | LabTask::OpenDemonstration {} => "Opening the bench",
             LabTask::Create { .. } => "Making the bench",
+            LabTask::AddLogs { .. } => "Adding the logs",
             LabTask::Fit { .. } => "Fitting",
             LabTask::Keep { .. } => "Keeping the values",
             LabTask::Diagnose {} => "Diagnosing",
@@ -198,7 +204,8 @@ pub fn start(desk: &Arc<Desk>, task: LabTask) -> Result<u64, String> {
                     None
                 }
                 Err(message) => {
-                    state.failure = Some(message.clone());
+                    // Who has called the work off knows why it has ended.
+                    state.failure = Some(message.clone()).filter(|_| !cancelled());
                     Some(message)
                 }
             }
@@ -236,6 +243,12 @@ fn perform(
             desk.dropped().clear();
             (Some(folder.clone()), false)
         }
+        LabTask::AddLogs { text } => {
+            let folder = &bench.ok_or("no bench is open")?.folder;
+            desk.dropped().add_to(folder, text)?;
+            desk.dropped().clear();
+            (Some(folder.clone()), false)
+        }
         _ => (None, false),
     };
     if let Some(path) = path {
@@ -255,7 +268,10 @@ fn change(
 ) -> Result<(), String> {
     match task {
         // These open another bench: see `perform`.
-        LabTask::Open { .. } | LabTask::OpenDemonstration {} | LabTask::Create { .. } => {}
+        LabTask::Open { .. }
+        | LabTask::OpenDemonstration {}
+        | LabTask::Create { .. }
+        | LabTask::AddLogs { .. } => {}
         LabTask::Fit { start } => {
             bench.remember();
             let start = borrowed(&start);
@@ -371,6 +387,7 @@ fn change(
             let controller = controller.ok_or("there is no controller yet: generate it first")?;
             let into = bench.folder.join(CONTROLLER);
             folder::within(&bench.folder, &into)?;
+            bench_files::can_write_into(&into).map_err(|error| error.to_string())?;
             controller.write(&into).map_err(said)?;
         }
         LabTask::Prove {} => {

@@ -38,6 +38,9 @@ pub struct GeneratedController {
     /// The files of the crate, by their paths in it; certificate.json is the last.
     #[serde(skip)]
     emitted: Files,
+    /// The text of the model.toml that it was emitted from; empty in a result that was read from JSON.
+    #[serde(skip)]
+    pub(crate) model_text: String,
 }
 
 /// The options of an emitted controller, in addition to its design.
@@ -123,6 +126,7 @@ impl ControlDesign {
             assumed,
             warnings,
             emitted: Files(emitted),
+            model_text: self.file().to_toml(),
         };
         controller.check_signs(&self.path())?;
         Ok(controller)

@@ -44,10 +44,14 @@ impl ControlDesign {
         }
         text.push_str(&syntax.close_parameters());
         if let Some(correlation) = &self.file().correlation {
+            // A derived parameter follows from the others: the file states no correlation of its error, and zero would be
+            // wrong.
+            let is_fitted = |name: &&str| correlation.parameters.iter().any(|own| own == name);
             let with_std: Vec<&str> = parameters
                 .iter()
                 .filter(|one| one.std.is_some())
                 .map(|one| one.name.as_str())
+                .filter(is_fitted)
                 .collect();
             text.push_str(&syntax.names("correlation_of", &with_std));
             let rows: Vec<Vec<f64>> = with_std

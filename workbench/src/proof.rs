@@ -100,8 +100,9 @@ fn generated_again(folder: &Path, model: &Path) -> Result<ClaimResult, Error> {
 }
 
 impl GeneratedController {
-    /// Decides every claim about a controller that has not been written, like [`prove`]. Kani needs a folder and is not
-    /// run.
+    /// Decides every claim about a controller that has not been written, like [`prove`]. The controller is compared with
+    /// the model from which it was emitted, but not with the generator's output, since it is that output. Kani needs a
+    /// folder and is not run.
     ///
     /// # Errors
     /// As for [`prove`].
@@ -154,7 +155,7 @@ impl GeneratedController {
             claims: checker::prove::settle_telling(
                 &emitted,
                 &certificate,
-                None,
+                Some(self.model_text.as_str()).filter(|text| !text.is_empty()),
                 settings,
                 &|what| {
                     (progress.say)(what);

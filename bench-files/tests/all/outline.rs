@@ -56,6 +56,33 @@ fn added_experiments_are_read_and_the_rest_of_the_file_stays() {
     assert_eq!(again.free_name("free swing"), "free swing 3");
 }
 
+/// Entries of another bench.toml come behind the own ones, with their comments; nothing else of it comes along.
+#[test]
+fn experiments_of_another_bench_follow_the_own_ones() {
+    let folder = bench(TEXT);
+    let mut outline = BenchOutline::read(folder.path()).expect("an outline");
+    let new = swing(&outline);
+    outline.add_experiment(&new).expect("added");
+    let other = "[bench]\nname = \"other\"\n[known]\ngravity = 1.0\n\n# why\n[[experiment]]\n\
+                 name = \"second\" # so called\nkind = \"free-swing\"\nfile = \"2.csv\"\n\n[hardware]\n";
+    let whole = outline.with_experiments_of(other).expect("a text");
+    assert!(whole.starts_with(TEXT), "{whole}");
+    let (first, second) = (
+        whole.find("free swing"),
+        whole.find("# why\n[[experiment]]"),
+    );
+    assert!(first.is_some() && first < second, "{whole}");
+    assert!(whole.contains("\"second\" # so called"), "{whole}");
+    assert!(
+        !whole.contains("gravity = 1.0") && !whole.contains("[hardware]"),
+        "{whole}"
+    );
+    // Nothing is written.
+    let kept = fs::read_to_string(folder.path().join("bench.toml")).expect("text");
+    assert!(!kept.contains("so called"), "{kept}");
+    assert!(outline.with_experiments_of("[[experiment").is_err());
+}
+
 #[test]
 fn a_name_is_not_taken_twice_by_experiment_or_file() {
     let folder = bench(TEXT);

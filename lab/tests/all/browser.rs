@@ -69,6 +69,9 @@ fn from_opening_to_the_missing_effect() {
     browser.wait_for("document.getElementById('bench-path')");
     browser.type_into("#bench-path", &folder.path().display().to_string());
     work(&browser, || browser.click("#opening form button"));
+    // Who works with the keyboard goes on at the tabs, and not at the top of the page.
+    let focus = || browser.script("return document.activeElement.id");
+    assert_eq!(focus(), json!("tab-sliders"));
 
     // A slider changes the picture and the numbers, and nothing in the folder.
     let model = || fs::read_to_string(folder.path().join("model.toml")).expect("a model");
@@ -82,9 +85,9 @@ fn from_opening_to_the_missing_effect() {
     assert_eq!(rmse(&browser, "swing", "angle"), before);
     assert_eq!(model(), written);
 
-    // Why?
-    browser.click("#tab-why");
-    work(&browser, || browser.click("#panel-why button.main"));
+    // Why? The button that asks goes with its panel; the focus stays with what it has opened.
+    work(&browser, || browser.click("#ask-why"));
+    assert_eq!(focus(), json!("tab-why"));
     assert!(browser.text("#verdict").contains("body-coulomb-friction"));
     assert_eq!(stairs(&browser), json!(1));
     work(&browser, || browser.click("#panel-why button.main"));

@@ -126,6 +126,21 @@ fn the_other_experiments_follow_when_the_hand_rests() {
         whole[0] <= from + tolerance && whole[1] >= to - tolerance,
         "{whole:?}"
     );
+    // A double click shows the whole log as well, with its curves and not only its axis.
+    press("+");
+    let drawn = browser.script("return document.body.dataset.drawn");
+    browser.double_click("#curves .nsewdrag");
+    browser.wait_for(&format!("document.body.dataset.drawn !== {drawn}"));
+    let ends = browser.script(
+        "const {x} = document.getElementById('curves').data[0]; return [x[0], x.at(-1)].map(Number)",
+    );
+    let ends: [f64; 2] = serde_json::from_value(ends).expect("the ends of a curve");
+    // Of the samples within a pixel the least and the largest are drawn; the plot has more than a hundred pixels.
+    let pixel_s = (to - from) / 100.0;
+    assert!(
+        ends[0] <= from + pixel_s && ends[1] >= to - pixel_s,
+        "{ends:?} {from} {to}"
+    );
     let hidden = browser.script(
         "return [...document.querySelectorAll('.scatterlayer .trace')].filter((one) => one.style.visibility === 'hidden').length",
     );

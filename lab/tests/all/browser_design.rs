@@ -30,6 +30,16 @@ fn a_design_is_moved_compared_generated_and_proved() {
         ))
     };
     let before = gain(1).as_f64().expect("a gain");
+    // A screen reader goes by heads of tables, none of which is empty, and by headings, none of which leaves a level out.
+    assert_eq!(
+        browser.script(
+            "const seen = (one) => one.offsetParent !== null; \
+             const levels = [...document.querySelectorAll('h1, h2, h3')].filter(seen).map((one) => Number(one.tagName[1])); \
+             return [[...document.querySelectorAll('th')].filter((one) => seen(one) && !one.textContent).length, \
+                     levels.filter((level, index) => level > (index ? levels[index - 1] : 0) + 1).length]"
+        ),
+        json!([0, 0])
+    );
     browser.click("#design-aside");
     browser.wait_for("document.querySelectorAll('#design-numbers th').length === 3");
     // A dearer current: a gentler loop; the design that was set aside stays.

@@ -66,6 +66,15 @@ fn the_page_keeps_what_was_moved_and_notices_what_changes() {
     drop(lab);
     browser.wait_for("document.getElementById('gone')");
     assert!(browser.text("#notice").contains("flywheel lab"));
+    // It is in sight wherever the page is scrolled to.
+    browser.script("document.getElementById('tab-sliders').click(); scrollTo(0, 1e6)");
+    assert_eq!(
+        browser.script(
+            "const {top, bottom} = document.getElementById('notice').getBoundingClientRect(); \
+             return scrollY > 0 && top >= 0 && bottom <= innerHeight"
+        ),
+        json!(true)
+    );
     // A click says it no second time, and nothing seems to be under way.
     browser.script("document.getElementById('report').click()");
     browser.wait_for("!document.getElementById('report').disabled");

@@ -4,6 +4,7 @@ use std::fs;
 
 use serde_json::json;
 
+use crate::bench;
 use crate::running::Running;
 
 fn log(name: &str) -> &'static str {
@@ -158,4 +159,75 @@ fn a_click_writes_the_text_anew() {
             .status,
         422
     );
+}
+
+/// One file that is no log holds the others up only until it is left out.
+#[test]
+fn a_file_is_left_out_alone() {
+    let lab = Running::entered(None);
+    let name = "free-swing-20deg.csv";
+    lab.ask("POST", &format!("/api/drop?name={name}"), log(name));
+    lab.ask("POST", "/api/drop?name=bad.csv", "t,a\n0,1\n1\n");
+    let found = lab.ask("GET", "/api/drop", "").json();
+    assert!(found["failure"].as_str().is_some(), "{found}");
+    assert_eq!(lab.ask("DELETE", "/api/drop?name=bad.csv", "").status, 204);
+    let found = lab.ask("GET", "/api/drop", "").json();
+    assert_eq!(found["files"].as_array().map(Vec::len), Some(1));
+    assert_eq!(found["proposal"]["experiments"][0]["file"], name);
+    // No bench is open to which it could be added.
+    assert_eq!(found["bench"], json!(null));
+    let task = json!({"task": "add-logs", "text": found["proposal"]["text"]});
+    assert_eq!(lab.ask("POST", "/api/work", &task.to_string()).status, 409);
+    lab.ask("DELETE", &format!("/api/drop?name={name}"), "");
+    let found = lab.ask("GET", "/api/drop", "").json();
+    assert_eq!(found["files"], json!([]));
+}
+
+/// The experiment that settles a question is added to the bench that is open; what this bench says already stays, and
+/// nothing is written over.
+#[test]
+fn a_log_is_added_to_the_open_bench() {
+    let folder = bench::folder();
+    let lab = Running::entered(Some(folder.path()));
+    lab.settled();
+    let path = folder.path().join("bench.toml");
+    let before = fs::read_to_string(&path).expect("a bench");
+    let add = |name: &str| {
+        lab.ask(
+            "POST",
+            &format!("/api/drop?name={name}"),
+            log("free-swing-50deg.csv"),
+        );
+        let found = lab.ask("GET", "/api/drop", "").json();
+        assert_eq!(found["bench"], "two logs");
+        lab.work(&json!({"task": "add-logs", "text": found["proposal"]["text"]}))
+    };
+    let refused = add("free-swing-20deg.csv");
+    assert!(
+        refused["failure"]
+            .as_str()
+            .is_some_and(|said| said.contains("exists already")),
+        "{refused}"
+    );
+    assert_eq!(fs::read_to_string(&path).expect("a bench"), before);
+    lab.ask("DELETE", "/api/drop", "");
+    let opened = add("another.csv");
+    assert_eq!(opened["failure"], json!(null));
+    assert_eq!(opened["bench"]["name"], "two logs");
+    let experiments = opened["bench"]["experiments"].as_array().expect("a list");
+    assert_eq!(experiments.len(), 3);
+    assert_eq!(experiments[2]["name"], "another");
+    let text = fs::read_to_string(&path).expect("a bench");
+    assert!(text.starts_with(&before), "{text}");
+    // The entry comes with the reasons for it, and without the explanation of every key that a new bench begins with.
+    let added = &text[before.len()..];
+    assert!(
+        added.contains("# free-swing: ") && !added.contains("Every key"),
+        "{added}"
+    );
+    assert_eq!(
+        fs::read_to_string(folder.path().join("another.csv")).expect("a log"),
+        log("free-swing-50deg.csv")
+    );
+    assert_eq!(lab.ask("GET", "/api/drop", "").json()["files"], json!([]));
 }

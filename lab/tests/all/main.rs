@@ -4,6 +4,7 @@ mod bench;
 mod browser;
 mod browser_curves;
 mod browser_design;
+mod browser_drop;
 mod browser_latency;
 mod browser_states;
 mod drop;

@@ -223,6 +223,8 @@ fn one_task_at_a_time_which_can_be_called_off() {
     let after = lab.settled();
     assert_eq!(after["bench"]["has_diagnosis"], json!(false));
     assert_eq!(after["bench"]["errors"], before["bench"]["errors"]);
+    // Who has called it off needs no message about it.
+    assert_eq!(after["failure"], json!(null));
 }
 
 /// A controller for other weights, emitted, proved and written into the folder.

@@ -151,6 +151,19 @@ impl Browser {
         self.command("POST", &format!("/element/{element}/click"), &json!({}));
     }
 
+    /// Clicks the middle of an element twice, as quickly as a double click.
+    pub fn double_click(&self, css: &str) {
+        let element = self.find(css);
+        let button = |kind: &str| json!({"type": kind, "button": 0});
+        let click = ["pointerDown", "pointerUp", "pointerDown", "pointerUp"].map(button);
+        let mut actions = vec![json!({
+            "type": "pointerMove", "duration": 0, "x": 0, "y": 0, "origin": {ELEMENT: element},
+        })];
+        actions.extend(click);
+        let mouse = json!({"type": "pointer", "id": "mouse", "actions": actions});
+        self.command("POST", "/actions", &json!({"actions": [mouse]}));
+    }
+
     /// Types into an element.
     pub fn type_into(&self, css: &str, text: &str) {
         let element = self.find(css);

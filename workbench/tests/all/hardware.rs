@@ -49,6 +49,9 @@ fn proved(controller: &GeneratedController, compiled: bool) {
         .filter(|claim| claim.outcome.word() == "failed")
         .collect();
     assert!(failed.is_empty(), "{failed:?}");
+    // It is compared with the model that it was emitted from.
+    let compared = proof.claims.iter().find(|row| row.id == "model-matches");
+    assert_eq!(compared.map(|row| row.outcome.word()), Some("proved"));
 }
 
 fn drive(bits: u32, range_a: f64, is_inverted: bool) -> String {

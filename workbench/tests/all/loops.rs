@@ -292,6 +292,38 @@ fn an_export_gives_the_numbers_back() {
     );
 }
 
+/// An export states the correlations of fitted parameters. That of a derived parameter follows from them, and zero
+/// would be wrong.
+#[test]
+fn an_export_states_no_correlation_of_a_derived_parameter() {
+    let mut text = String::from(
+        "[correlation]\nparameters = [\"total_inertia\", \"wheel_inertia\"]\nmatrix = [[1.0, 0.25], [0.25, 1.0]]\n\
+         [effects]\npresent = [\"body-viscous-friction\", \"wheel-viscous-friction\"]\n\
+         [design]\nsample_time = 0.001\nstate_weights = [25.0, 0.5, 5e-4]\ncurrent_weight = 1.0\n\
+         current_limit = 2.0\n",
+    );
+    for (name, value, std) in [
+        ("total_inertia", 2.30344e-3, "std = 1e-6"),
+        ("wheel_inertia", 1.36125e-4, "std = 1e-7"),
+        ("gravity_torque", 0.245158, ""),
+        ("torque_constant", 0.0335, ""),
+        ("body_viscous_friction", 2.1e-5, ""),
+        ("wheel_viscous_friction", 1.75204e-5, ""),
+        ("body_inertia", 1.5e-4, "std = 1e-6"),
+    ] {
+        text.push_str(&format!("[parameters.{name}]\nvalue = {value:?}\n{std}\n"));
+    }
+    let file = bench_files::ModelFile::parse(&text, std::path::Path::new("model.toml"));
+    let design = workbench::ControlDesign::of(file.expect("a model")).expect("a design");
+    let python = design.export(ExportLanguage::Python).text;
+    assert!(
+        python.contains("correlation_of = [\"total_inertia\", \"wheel_inertia\"]\n"),
+        "{python}"
+    );
+    assert!(python.contains("[2.5e-1, 1e0]"), "{python}");
+    assert!(python.contains("\"body_inertia\": ("), "{python}");
+}
+
 /// The delays of the thesis' hardware, their effect on the margins, and the loops with other sample times.
 #[test]
 fn the_hardware_makes_the_loop_late() {
