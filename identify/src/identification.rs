@@ -91,10 +91,13 @@ pub fn refuse_failed(problem: &FitProblem, fit: &Fit) -> Result<(), IdentifyErro
     }
 }
 
-/// The error of a fit in which the parameter at this position is fitted and not determined.
+/// The error of a fit in which the parameter at this position is fitted and not determined: it lies on a bound of its
+/// range, or its standard error is as large as its value.
 fn open(fit: &Fit, position: usize) -> Option<IdentifyError> {
-    let (value, std) = (fit.values[position], fit.std(position)?);
-    (std >= OPEN_RELATIVE_STD * value.abs()).then_some(IdentifyError::InertiaOpen {
+    let index = fit.unknowns.free.iter().position(|&at| at == position)?;
+    let (value, std) = (fit.values[position], fit.std(position));
+    let is_open = std.is_some_and(|std| std >= OPEN_RELATIVE_STD * value.abs());
+    (fit.minimum.on_bound[index] || is_open).then_some(IdentifyError::InertiaOpen {
         parameter: BASE_PARAMETERS[position].name,
         value,
         std,

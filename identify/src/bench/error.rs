@@ -47,20 +47,21 @@ pub enum IdentifyError {
         /// The series that the model predicts no better than their means, in groups of logs that share parameters.
         series: Vec<NoBetterThanMean>,
     },
-    /// The fit leaves an inertia open: its standard error is at least as large as its value.
+    /// The fit leaves an inertia open: its standard error is at least as large as its value, or it lies on a bound of its
+    /// range.
     #[error(
         "the fit has failed: the logs do not determine {parameter} ({} kg m2). No parameter of this fit is usable. \
          The logs must show how fast the motion changes: a spin-up needs a change of speed well above the noise, a \
          swing a good part of a period, a driven log both. Record longer, or state what is known in [known]",
-        with_uncertainty(*.value, Some(*.std))
+        with_uncertainty(*.value, *.std)
     )]
     InertiaOpen {
         /// The name of the parameter.
         parameter: &'static str,
         /// Its value in the fit, kg m².
         value: f64,
-        /// Its standard error, kg m².
-        std: f64,
+        /// Its standard error, kg m²; `None` on a bound.
+        std: Option<f64>,
     },
     /// No log moves over the coordinate, or none shows the torque that acts along it.
     #[error(

@@ -253,6 +253,30 @@ fn a_short_driven_log_is_fitted_within_its_errors_or_refused() {
     assert!(rms < 1.5, "{rms}");
 }
 
+/// A wheel that gains a sixth of its noise says next to nothing of its inertia. Most such logs are refused; in the others
+/// the noise looks like a motion.
+#[test]
+fn an_inertia_that_a_log_leaves_open_is_a_failed_fit() {
+    let hardly = |_: f64| 0.002;
+    let seeds = 0..10;
+    let refused = seeds.clone().filter(|&seed| {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let experiment = spin_up("spin-up", &hardly, 0.2);
+        match identified(simulate(&Physics::base(), &experiment, &mut rng)) {
+            Err(error @ IdentifyError::InertiaOpen { .. }) => {
+                assert!(error.to_string().contains("wheel_inertia"), "{error}");
+                true
+            }
+            other => {
+                eprintln!("seed {seed}: {:?}", other.err());
+                false
+            }
+        }
+    });
+    let refused = refused.count();
+    assert!(refused >= 5, "{refused} refused, seeds {seeds:?}");
+}
+
 #[test]
 fn a_fit_that_costs_more_than_the_means_has_failed_and_says_where() {
     let physics = Physics::base();
