@@ -78,6 +78,7 @@ async function correct() {
     complain(error);
   } finally {
     busy = false;
+    again = false;
   }
   if (found) show(found); else allow();
 }
