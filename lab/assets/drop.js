@@ -13,6 +13,9 @@ let holder = null;
 let typed = null;
 // Whether the text of bench.toml cannot be read with these files.
 let unread = false;
+// Whether a proposal is being worked out, and whether something was corrected meanwhile.
+let busy = false;
+let again = false;
 // The previews that are shown, each as the call that draws it.
 let previews = [];
 
@@ -60,11 +63,24 @@ async function take(files) {
 /** Has the whole proposed anew with what was corrected; typed text is let go. */
 async function correct() {
   typed = null;
+  again = true;
+  allow();
+  // One question at a time, and the latest wish waits: an answer to an earlier one would leave out what was typed since.
+  if (busy) return;
+  busy = true;
+  let found = null;
   try {
-    show(await post("/api/drop/correct", corrections));
+    while (again) {
+      again = false;
+      found = await post("/api/drop/correct", corrections);
+    }
   } catch (error) {
     complain(error);
+  } finally {
+    busy = false;
+    again = false;
   }
+  if (found) show(found); else allow();
 }
 
 /** Forgets one file with what was said of it, or all. */
@@ -94,13 +110,22 @@ function show(found) {
   }
   const keep = holder.querySelector("#new-folder")?.value ?? "my-bench";
   const open = new Set([...holder.querySelectorAll("details[open]")].map((one) => one.dataset.part));
-  const focused = document.activeElement?.dataset?.focus;
+  const active = document.activeElement;
+  const focused = active?.dataset?.focus;
+  // What is being typed is in no correction yet.
+  const halfTyped = focused && active.matches("input[type=number]") ? active.value : null;
   previews = [];
   const cards = found.proposal.experiments.map((one, index) => card(one, found.previews[index], lines(one.file), open, found.files.length > 1));
   holder.replaceChildren(
     ...found.refused.map((text) => el("p", { class: "bad" }, text)),
     ...cards, known(found.proposal.open ? null : found.open_ends), ...bench(found, keep, open, clear));
-  if (focused) holder.querySelector(`[data-focus="${CSS.escape(focused)}"]`)?.focus();
+  const next = focused && holder.querySelector(`[data-focus="${CSS.escape(focused)}"]`);
+  next?.focus();
+  if (next && halfTyped !== null && halfTyped !== next.value) {
+    next.value = halfTyped;
+    // A browser reports no change of a value that was not typed into this element.
+    next.addEventListener("blur", () => next.dispatchEvent(new Event("change")), { once: true });
+  }
 }
 
 /** One file among several that are good may be none of them. */
@@ -164,7 +189,7 @@ function ask(key, question) {
 
 function allow() {
   const left = [...holder.querySelectorAll(".question input")].filter((box) => !box.checked).length;
-  const words = [left ? `${left} ${left === 1 ? "question is" : "questions are"} to decide above` : "", unread ? "the logs cannot be read yet, see the check" : ""].filter(Boolean);
+  const words = [left ? `${left} ${left === 1 ? "question is" : "questions are"} to decide above` : "", unread ? "the logs cannot be read yet, see the check" : "", busy || again ? "reading what was corrected …" : ""].filter(Boolean);
   for (const id of ["make-bench", "add-logs"]) {
     const button = holder.querySelector(`#${id}`);
     if (button) button.disabled = words.length > 0;

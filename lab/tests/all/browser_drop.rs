@@ -65,6 +65,26 @@ fn logs_are_mended_and_added_to_the_open_bench() {
     browser.script("document.querySelectorAll('.question input').forEach((box) => box.click())");
     browser.wait_for("!document.getElementById('add-logs').disabled");
     assert!(is_enabled(&browser, "make-bench"));
+    // Two constants in quick succession: nothing is written before both are in the text, and what is half typed stays.
+    let enabled_meanwhile = browser.script(
+        "for (const [key, value] of [['gravity', 9.81], ['body_mass', 0.25]]) { \
+           const field = document.getElementById(`known-${key}`); \
+           field.value = value; field.dispatchEvent(new Event('change')); } \
+         const half = document.getElementById('known-wheel_mass'); half.focus(); half.value = '0.1'; \
+         return !document.getElementById('make-bench').disabled",
+    );
+    assert_eq!(enabled_meanwhile, json!(false));
+    browser.wait_for("!document.getElementById('make-bench').disabled");
+    let text = browser.script("return document.getElementById('bench-text').value");
+    let text = text.as_str().expect("a text");
+    assert!(
+        text.contains("\ngravity         = 9.81") && text.contains("\nbody_mass       = 0.25"),
+        "{text}"
+    );
+    assert_eq!(
+        browser.script("return document.getElementById('known-wheel_mass').value"),
+        json!("0.1")
+    );
     work(&browser, || {
         browser.script("document.getElementById('add-logs').click()");
     });
