@@ -4,8 +4,9 @@ use bench_files::{Channel, Note};
 use identify::{noise_std, resolution};
 
 use crate::finding::{Finding, FindingId};
-use crate::slips::{DEGREES, short};
-use crate::view::{View, largest, median, range};
+use crate::sawtooth;
+use crate::slips::short;
+use crate::view::{View, largest, range};
 
 /// Smallest number of equal samples that counts as a stop at a limit.
 const AT_LIMIT: usize = 4;
@@ -41,7 +42,7 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
         for finding in [
             series.clipped(channel),
             series.frozen(channel),
-            series.wrapped(channel),
+            sawtooth::check(channel, samples),
             series.quantised(channel),
             series.stale(channel),
         ]
@@ -229,49 +230,6 @@ impl<'s> Series<'s> {
         )
     }
 
-    fn wrapped(&self, channel: Channel) -> Option<Finding> {
-        let jumps: Vec<f64> = self
-            .samples
-            .windows(2)
-            .map(|pair| pair[1] - pair[0])
-            .filter(|jump| jump.abs() > 0.7 * (self.high - self.low))
-            .map(f64::abs)
-            .collect();
-        let usual = median(
-            self.samples
-                .windows(2)
-                .map(|pair| (pair[1] - pair[0]).abs())
-                .collect(),
-        )?;
-        let size = median(jumps.clone())?;
-        let alike = jumps.iter().all(|jump| (jump / size - 1.0).abs() < 0.1);
-        // A motion that crosses most of its range between two samples is sampled too slowly for this check.
-        if jumps.len() < 2 || !alike || usual > 0.1 * size || channel == Channel::Rate {
-            return None;
-        }
-        let sentence = format!(
-            "the {} jumps {} times by {} within one sample: the sensor starts again from the other end of its range",
-            spoken(channel),
-            jumps.len(),
-            short(size)
-        );
-        let turn = 360.0;
-        Some(
-            if channel == Channel::Angle && (size / turn - 1.0).abs() < 0.1 {
-                Finding::refusal(
-                    FindingId::Wrapped,
-                    format!("{sentence}, at 360: it is in degrees"),
-                )
-                .with_factor(DEGREES)
-                .with_fix("units = { angle = \"deg\" }")
-            } else {
-                Finding::warning(FindingId::Wrapped, sentence).with_fix(
-                    "log several turns without a jump, or use a unit in which a turn is 2π rad",
-                )
-            },
-        )
-    }
-
     fn quantised(&self, channel: Channel) -> Option<Finding> {
         let levels = (self.high - self.low) / self.step;
         if self.high <= self.low || levels >= FEW_LEVELS {
@@ -333,6 +291,9 @@ impl<'s> Series<'s> {
 
 /// Share of a turn between two samples above which the direction of a wheel is uncertain; at half a turn it is unknown.
 const DOUBTFUL_TURN: f64 = 0.4;
+/// Share of such steps above which the speed is wrong somewhere: a wheel that speeds up through half a turn a sample
+/// has them on its way there, and a lost sample is one.
+const DOUBTFUL_SHARE: f64 = 0.01;
 
 fn wheel_angle(view: &View, out: &mut Vec<Finding>) {
     let Some(angle) = view.samples(Channel::WheelAngle) else {
@@ -340,17 +301,30 @@ fn wheel_angle(view: &View, out: &mut Vec<Finding>) {
     };
     let steps: Vec<f64> = angle.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let most = largest(&steps) / std::f64::consts::TAU;
-    if most > DOUBTFUL_TURN {
+    let doubtful = steps
+        .iter()
+        .filter(|step| step.abs() > DOUBTFUL_TURN * std::f64::consts::TAU)
+        .count();
+    let mut say = |finding: Finding| {
+        out.push(
+            finding
+                .in_experiment(view.name())
+                .with_channel("wheel_angle"),
+        );
+    };
+    if let Some(finding) = sawtooth::check(Channel::WheelAngle, angle) {
+        say(finding);
+    } else if doubtful > 0 {
         let sentence = format!(
             "the wheel turns by {} of a turn from sample to sample, so its direction is uncertain",
             short(most)
         );
-        out.push(
-            Finding::warning(FindingId::Wrapped, sentence)
-                .in_experiment(view.name())
-                .with_channel("wheel_angle")
-                .with_fix("log faster, or log the wheel's speed"),
-        );
+        let make = if doubtful as f64 > DOUBTFUL_SHARE * steps.len() as f64 {
+            Finding::refusal
+        } else {
+            Finding::warning
+        };
+        say(make(FindingId::Wrapped, sentence).with_fix("log faster, or log the wheel's speed"));
     }
 }
 

@@ -7,6 +7,7 @@ use plant::Kind;
 
 use crate::finding::{Finding, FindingId};
 use crate::slips::{DEGREES, RPM, short, slip};
+use crate::units::Settled;
 use crate::view::{View, largest, median, range};
 
 /// Correlation of rate and derivative above which their ratio is known within 5 % (Frisch's bounds, see
@@ -27,7 +28,7 @@ const USUAL_DELAY: usize = 2;
 const MOST_LATE: isize = 20;
 
 /// All checks of angle and rate against each other.
-pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
+pub(crate) fn check(view: &View, settled: &mut Settled, out: &mut Vec<Finding>) {
     if same_columns(view, out) || view.kind() == Kind::SpinUp {
         return;
     }
@@ -38,6 +39,20 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
     let Some((found, length_s)) = view.ratio_to_derivative(angle, rate) else {
         return;
     };
+    if (found.correlation < CLEAR || (found.factor - 1.0).abs() > SCALE_ERROR)
+        && are_swapped(view, angle, rate)
+    {
+        out.push(
+            Finding::refusal(
+                FindingId::RateFactor,
+                "the angle is the derivative of the rate: the two columns are swapped",
+            )
+            .in_experiment(view.name())
+            .with_channel("rate")
+            .with_fix("columns = { angle = …, rate = … }, each with the other's column"),
+        );
+        return;
+    }
     if late(view, angle, rate, (found.correlation, length_s), out) {
         return;
     }
@@ -95,8 +110,29 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
                     short(1.0 / found.factor)
                 )),
         ),
-        None => {}
+        // The two have one unit: what tells that of one tells that of the other.
+        None => {
+            let unstated = |channel: Channel| {
+                let mut unstated = view.experiment.report.unstated.iter();
+                unstated.any(|one| one.channel == channel)
+            };
+            let one = [Channel::Angle, Channel::Rate]
+                .into_iter()
+                .any(|channel| settled.has(view, channel) || !unstated(channel));
+            if one {
+                settled.add(view, Channel::Angle);
+                settled.add(view, Channel::Rate);
+            }
+        }
     }
+}
+
+/// Whether the angle's column is the derivative of the rate's.
+fn are_swapped(view: &View, angle: &[f64], rate: &[f64]) -> bool {
+    view.ratio_to_derivative(rate, angle)
+        .is_some_and(|(found, _)| {
+            found.correlation > CLEAR && (found.factor - 1.0).abs() < SCALE_ERROR
+        })
 }
 
 /// The cause of a factor between rate and derivative, and its remedy.

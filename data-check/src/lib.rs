@@ -12,7 +12,10 @@
 //! | `kinematics` | the rate with the derivative of the angle; columns with each other |
 //! | `swing` | a free swing with a pendulum: period, amplitude, standstill, energy |
 //! | `wheel` | the wheel with its current, with other logs, with what motors can do |
-//! | `momentum` | the wheel with the body |
+//! | `momentum`, `body` | a body that is free with gravity, wheel and current |
+//! | `spin_up_measure` | a free wheel with the wheel of the spin-ups |
+//! | `sawtooth` | a channel that starts again from the other end of its range |
+//! | `units` | units that nothing states |
 //! | `law` | the current of a balance log with the stated gains |
 //! | `held` | joints that the experiment holds still |
 //! | `propose` | (for files without a bench.toml) proposes columns, units, signs, kinds and windows |
@@ -24,6 +27,7 @@
 
 #![warn(missing_docs)]
 
+mod body;
 mod channels;
 mod copies;
 mod finding;
@@ -34,8 +38,11 @@ mod law;
 mod momentum;
 mod propose;
 mod regression;
+mod sawtooth;
 mod slips;
+mod spin_up_measure;
 mod swing;
+mod units;
 mod view;
 mod wheel;
 
@@ -47,23 +54,38 @@ pub use propose::{
     units_of,
 };
 
+use units::Settled;
 use view::{Facts, View};
 
 /// All findings for the data of a bench: refusals first, then in the order of its experiments.
 pub fn check(bench: &Bench) -> Vec<Finding> {
     let views: Vec<View> = bench.experiments.iter().map(View::new).collect();
-    let facts = Facts::of(bench, &views);
+    let mut facts = Facts::of(bench, &views);
+    let answers = wheel::answers(&views);
+    let mut of_wheel = vec![];
+    wheel::check(bench, &views, &answers, &facts, &mut of_wheel);
+    if of_wheel.is_empty() {
+        facts.wheel_share = spin_up_measure::wheel_share(bench, &answers, &facts);
+        spin_up_measure::current(&answers, &facts, &mut of_wheel);
+    }
     let mut found = vec![];
+    let mut settled = Settled::default();
+    if of_wheel.is_empty() && bench.known.wheel_inertia.is_some() {
+        spin_up_measure::settle(&answers, &facts, &mut settled);
+    }
     known::check(bench, &mut found);
     for view in &views {
         channels::check(view, &mut found);
         held::check(view, &mut found);
-        swing::check(view, &mut found);
-        kinematics::check(view, &mut found);
-        momentum::check(view, &mut found);
-        law::check(bench, view, &mut found);
+        swing::check(view, &mut settled, &mut found);
+        momentum::check(view, &facts, &mut settled, &mut found);
+        kinematics::check(view, &mut settled, &mut found);
+        law::check(bench, view, &mut settled, &mut found);
     }
-    wheel::check(bench, &views, &facts, &mut found);
+    found.append(&mut of_wheel);
+    for view in &views {
+        units::check(view, &settled, &mut found);
+    }
     copies::check(&views, &mut found);
     let mut found = accepted(bench, found);
     found.sort_by_key(|finding| finding.severity);

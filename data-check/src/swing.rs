@@ -5,8 +5,9 @@ use bench_files::Channel;
 use identify::{AtAmplitude, Output, resolution};
 use plant::Kind;
 
-use crate::finding::{Finding, FindingId};
+use crate::finding::{Finding, FindingId, Severity};
 use crate::slips::{DEGREES, short};
+use crate::units::Settled;
 use crate::view::{PERIODS_S, View, median, range, scaled_decay};
 
 use std::f64::consts::{PI, TAU};
@@ -25,22 +26,27 @@ const AT_EITHER_END: usize = 5;
 /// have periods of their own.
 const LEAST_AMPLITUDE: f64 = 1.0 / 3.0;
 
-pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
+pub(crate) fn check(view: &View, settled: &mut Settled, out: &mut Vec<Finding>) {
     if view.kind() != Kind::FreeSwing {
         return;
     }
     let decay = scaled_decay(view);
+    let before = out.len();
     if let Some((decay, scale)) = &decay {
         let periods = decay.periods.iter().map(|period| period.value).collect();
         if let Some(period_s) = median(periods) {
             period(view, period_s, out);
         }
-        angle_unit(view, &decay.periods, *scale, out);
+        // The integral of a rate is wrong where the time is.
+        if out.len() == before || view.samples(Channel::Angle).is_some() {
+            angle_unit(view, &decay.periods, *scale, settled, out);
+        }
     }
     by_itself(view, out);
 }
 
-fn period(view: &View, period_s: f64, out: &mut Vec<Finding>) {
+/// Checks whether a pendulum on a bench can have this period.
+pub(crate) fn period(view: &View, period_s: f64, out: &mut Vec<Finding>) {
     if PERIODS_S.contains(&period_s) {
         return;
     }
@@ -114,36 +120,41 @@ fn large_swings(periods: &[AtAmplitude]) -> (f64, Vec<AtAmplitude>) {
     (largest, large.cloned().collect())
 }
 
-fn angle_unit(view: &View, periods: &[AtAmplitude], scale: f64, out: &mut Vec<Finding>) {
-    if view.samples(Channel::Angle).is_none() {
-        return;
-    }
+fn angle_unit(
+    view: &View,
+    periods: &[AtAmplitude],
+    scale: f64,
+    settled: &mut Settled,
+    out: &mut Vec<Finding>,
+) {
+    // Of a rate alone, the amplitude is that of its integral.
+    let (id, key, units) = if view.samples(Channel::Angle).is_some() {
+        (FindingId::AngleFactor, "angle", ["rev", "deg", "mrad"])
+    } else {
+        (FindingId::RateFactor, "rate", ["rev/s", "deg/s", "mrad/s"])
+    };
     let (largest, periods) = large_swings(periods);
     let amplitude = scale * largest;
     let periods = periods.as_slice();
     let as_mapped = change_of_period(periods, scale);
     // The other possible units of the column, and the change that each leaves.
-    let others = [DEGREES, 1e3];
+    let others = [1.0 / TAU, DEGREES, 1e3];
     let left = others
         .into_iter()
         .filter_map(|factor| Some((factor, change_of_period(periods, scale / factor)?.abs())))
         .min_by(|a, b| a.1.total_cmp(&b.1));
     let Some((factor, left)) = left else { return };
-    let fix = if factor == 1e3 {
-        "units = { angle = \"mrad\" }"
-    } else {
-        "units = { angle = \"deg\" }"
-    };
+    let unit = units[others.iter().position(|one| *one == factor).unwrap_or(1)];
     let finding = |sentence: String| {
-        Finding::refusal(FindingId::AngleFactor, sentence)
+        Finding::refusal(id, sentence)
             .in_experiment(view.name())
-            .with_channel("angle")
+            .with_channel(key)
             .with_factor(factor)
-            .with_fix(fix)
+            .with_fix(format!("units = {{ {key} = \"{unit}\" }}"))
     };
     let Some(change) = as_mapped else {
         out.push(finding(format!(
-            "the body would turn back {} rad from hanging, beyond the top: the angle is {} times too large",
+            "the body would turn back {} rad from hanging, beyond the top: the {key} is {} times too large",
             short(amplitude),
             short(factor)
         )));
@@ -155,13 +166,29 @@ fn angle_unit(view: &View, periods: &[AtAmplitude], scale: f64, out: &mut Vec<Fi
         && change.abs() > STANDARD_ERRORS * std
         && left < LEFT_OVER * change.abs()
     {
-        out.push(finding(format!(
-            "the period does not depend on the amplitude, but that of a pendulum of {} rad would change by \
-             {} %: the angle is {} times too large",
-            short(amplitude),
-            short(100.0 * change.abs()),
-            short(factor)
-        )));
+        out.push(if factor > 1.0 {
+            finding(format!(
+                "the period does not depend on the amplitude, but that of a pendulum of {} rad would change by \
+                 {} %: the {key} is {} times too large",
+                short(amplitude),
+                short(100.0 * change.abs()),
+                short(factor)
+            ))
+        } else {
+            // A spring at the pivot can do the same.
+            Finding {
+                severity: Severity::Warn,
+                ..finding(format!(
+                    "the period changes by {} % more than that of a pendulum of {} rad, as if the {key} were in turns",
+                    short(100.0 * change.abs()),
+                    short(amplitude)
+                ))
+            }
+        });
+    } else if left > CHANGE && left > STANDARD_ERRORS * std && change.abs() < LEFT_OVER * left {
+        // In any other unit the period would depend on the amplitude in a way that no pendulum's does.
+        settled.add(view, Channel::Angle);
+        settled.add(view, Channel::Rate);
     }
 }
 

@@ -94,6 +94,8 @@ pub(crate) struct Facts {
     pub gravity_over_inertia: Option<f64>,
     /// k² m_w + l² m_b, kg m²: the part of the inertia that masses and lengths give.
     pub steiner_kg_m2: Option<f64>,
+    /// The wheel's share of the total inertia, j_w/Θ, where `[known]` or spin-ups without a fault say it.
+    pub wheel_share: Option<f64>,
 }
 
 impl Facts {
@@ -114,6 +116,7 @@ impl Facts {
                 [Some(wheel), Some(body)] => Some(wheel + body),
                 _ => None,
             },
+            wheel_share: None,
         }
     }
 

@@ -31,10 +31,14 @@ pub(crate) const SHARE_OF_INERTIA: std::ops::Range<f64> = 0.005..0.5;
 /// Typical share for wheels that were built for the purpose; used only to choose between two possible units.
 const USUAL_SHARE: f64 = 0.06;
 
-/// The response of a wheel to its current: acceleration per ampere, 1/s² A⁻¹, and its standard error.
+/// The response of a wheel to its current.
 pub(crate) struct Answer {
-    per_ampere: f64,
+    /// Acceleration per ampere, 1/s² A⁻¹.
+    pub per_ampere: f64,
 }
+
+/// The responses in all logs that show one, with their fits.
+pub(crate) type Answers<'v> = Vec<(&'v View<'v>, Answer, LeastSquares)>;
 
 /// The response in one log; `None` if the log does not show it.
 fn answer(view: &View) -> Option<(Answer, LeastSquares)> {
@@ -65,17 +69,26 @@ fn answer(view: &View) -> Option<(Answer, LeastSquares)> {
     })
 }
 
-pub(crate) fn check(bench: &Bench, views: &[View], facts: &Facts, out: &mut Vec<Finding>) {
-    let answers: Vec<(&View, Answer, LeastSquares)> = views
-        .iter()
+pub(crate) fn answers<'v>(views: &'v [View<'v>]) -> Answers<'v> {
+    let found = views.iter();
+    found
         .filter_map(|view| answer(view).map(|(answer, fit)| (view, answer, fit)))
-        .collect();
+        .collect()
+}
+
+pub(crate) fn check(
+    bench: &Bench,
+    views: &[View],
+    answers: &Answers,
+    facts: &Facts,
+    out: &mut Vec<Finding>,
+) {
     // A sensor without a sign is wrong only where the current is negative.
     let mut against = answers
         .iter()
         .filter(|(_, answer, _)| answer.per_ampere < 0.0);
     let is_unsigned = against.all(|(view, _, _)| is_backwards(view) && is_never_negative(view));
-    for (view, answer, fit) in &answers {
+    for (view, answer, fit) in answers {
         sign(view, answer, fit, is_unsigned, out);
     }
     // Only spin-ups are free of the body's motion.

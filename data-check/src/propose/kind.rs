@@ -67,6 +67,7 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
         guess.reason = "the file has the wheel and not the body".to_owned();
         if current.is_none() {
             guess.questions.push(HELD_AT_WHAT.to_owned());
+            guess.questions.extend(command(table));
         }
         return guess;
     }
@@ -133,6 +134,8 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
                 short(usual)
             ));
         }
+    } else if let Some(question) = command(table) {
+        guess.questions.push(question);
     } else {
         guess.held_current_a = Some((
             0.0,
@@ -140,6 +143,23 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
         ));
     }
     guess
+}
+
+/// Parts of names of a motor's command that is no current.
+const COMMANDS: [&str; 6] = ["pwm", "duty", "volt", "throttle", "cmd", "command"];
+
+/// What to decide about a column that may be the motor's command without being a current.
+fn command(table: &Table) -> Option<String> {
+    let is_command = |name: &&String| {
+        let lower = name.to_lowercase();
+        COMMANDS.iter().any(|part| lower.contains(part))
+    };
+    let name = table.names.iter().find(is_command)?;
+    Some(format!(
+        "column \"{name}\" may be the motor's command and is no current: columns = {{ current = \"{name}\" }} with units = \
+         {{ current = \"1\" }} takes it as a command without unit (a drive that sets voltage then shows as wheel friction); \
+         or state the current that was held, constants = {{ current = … }}"
+    ))
 }
 
 /// An angle in rad without the jumps of a sensor that starts again after a turn: between two samples the shorter way is

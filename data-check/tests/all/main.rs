@@ -1,7 +1,9 @@
 //! The check of the data, on benches whose faults are known.
 
+mod columns;
 mod corrections;
 mod kinds;
 mod known_faults;
+mod matrix;
 mod recordings;
 mod simulated;
