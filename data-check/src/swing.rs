@@ -42,7 +42,36 @@ pub(crate) fn check(view: &View, settled: &mut Settled, out: &mut Vec<Finding>) 
             angle_unit(view, &decay.periods, *scale, settled, out);
         }
     }
+    if decay.is_none() {
+        goes_round(view, out);
+    }
     by_itself(view, out);
+}
+
+/// Turns that a body without a motor does not make: the first swing may go over the top once in either sense.
+const MOST_TURNS: f64 = 2.0;
+
+/// Checks the range of an angle in which no swing can be seen.
+fn goes_round(view: &View, out: &mut Vec<Finding>) {
+    let Some((low, high)) = view.samples(Channel::Angle).and_then(range) else {
+        return;
+    };
+    let turns = (high - low) / TAU;
+    if turns > MOST_TURNS {
+        out.push(
+            Finding::refusal(
+                FindingId::AngleFactor,
+                format!(
+                    "the body would go round {} times without a motor: the angle is in degrees",
+                    short(turns)
+                ),
+            )
+            .in_experiment(view.name())
+            .with_channel("angle")
+            .with_factor(DEGREES)
+            .with_fix("units = { angle = \"deg\" }"),
+        );
+    }
 }
 
 /// Checks whether a pendulum on a bench can have this period.
