@@ -413,6 +413,8 @@ fn unit_of_angle(view: &View, body: &Body, factor: f64, sentence: &str) -> Findi
     );
     let rate = if is_angle && view.samples(Channel::Rate).is_some() {
         " (and the rate's unit likewise, where the rate agrees with the angle)"
+    } else if !is_angle && is(factor, 1e3) {
+        " (or units = { time = \"ms\" })"
     } else {
         ""
     };
