@@ -30,6 +30,10 @@ const MOST_TURNS: f64 = 2.0;
 /// Distance of the angle's zero from hanging, rad, above which it is no error of mounting (judgement: 20°).
 const ZERO_RAD: f64 = 0.35;
 
+/// Distance of the wheel's share of the inertia from 1 within which the wheel is taken to move by itself. No wheel has
+/// more than half of the inertia, and a clear coefficient is wrong by no more than [`CLEAR`] allows.
+const KEEPS_ITS_MOTION: f64 = 1.0 - CLEAR;
+
 /// The other units in which an angle could be, as the factor by which it is then read too large.
 const OTHERS: [f64; 3] = [DEGREES, 1e3, 1.0 / TAU];
 
@@ -160,12 +164,16 @@ fn exchange(
     if fit.explained < EXPLAINED {
         return;
     }
+    // α̈ = −(j_w/Θ) φ̈ + …
+    let share = -fit.coefficients[0];
+    // A wheel that no torque reaches keeps its own motion, φ̈ = −α̈: that explains everything and tells nothing.
+    if (share - 1.0).abs() < KEEPS_ITS_MOTION {
+        return;
+    }
     gravity(view, body, fit, out);
     if !shows(fit, 0) {
         return;
     }
-    // α̈ = −(j_w/Θ) φ̈ + …
-    let share = -fit.coefficients[0];
     if share < 0.0 {
         out.push(
             Finding::refusal(
