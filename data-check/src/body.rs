@@ -6,11 +6,20 @@ use bench_files::Channel;
 use identify::bumps;
 use plant::Kind;
 
-use crate::regression::{LeastSquares, least_squares};
+use crate::regression::{LeastSquares, least_squares, ratio};
 use crate::view::View;
 
 /// Smallest number of rows for a fit; with fewer, it explains much by chance.
 const FEWEST_ROWS: usize = 20;
+
+/// Correlation from which wheel and body accelerate oppositely, and the share within which they do so by equal amounts. A
+/// motor accelerates the wheel by at least twice as much as the body, since no wheel has more than half of the inertia;
+/// and bumps of a dozen samples make an acceleration from an angle alone wrong by up to a fifth.
+const OWN_MOTION: f64 = 0.9;
+const EQUAL: f64 = 0.3;
+
+/// `integral(f, order)`: ∫ f dᵒψ/dtᵒ dt under one bump.
+type Integral<'i> = dyn Fn(&dyn Fn(usize) -> f64, usize) -> f64 + 'i;
 
 /// The body's motion, from its angle or from its rate alone.
 pub(crate) struct Body<'v> {
@@ -72,14 +81,7 @@ impl<'v> Body<'v> {
         let fits = self.view.bump_lengths_s().filter_map(|length_s| {
             let mut rows = vec![];
             bumps(&self.view.record, length_s, |integral| {
-                let acceleration = match rate {
-                    Some(rate) => -integral(&|k| rate[k], 1),
-                    None => {
-                        // A constant has no acceleration, but the trapezoidal rule leaves a part of it.
-                        let middle = integral(&|k| angle[k], 0) / integral(&|_| 1.0, 0);
-                        integral(&|k| angle[k] - middle, 2)
-                    }
-                };
+                let acceleration = self.acceleration(integral);
                 let gravity = integral(&|k| true_angle(k).sin(), 0);
                 let (cause, third) = match cause {
                     // Where gravity is zero is not known for a rate that was integrated, and told for an angle.
@@ -103,6 +105,47 @@ impl<'v> Body<'v> {
         });
         let fits = fits.filter(|fit| fit.rows >= FEWEST_ROWS);
         fits.max_by(|a, b| a.explained.total_cmp(&b.explained))
+    }
+
+    /// The best fit α̈ = c₀ sin α + c₁ cos α, of a body on which gravity acts alone.
+    pub fn fit_gravity(&self) -> Option<LeastSquares> {
+        let fits = self.view.bump_lengths_s().filter_map(|length_s| {
+            let mut rows = vec![];
+            bumps(&self.view.record, length_s, |integral| {
+                let [sine, cosine]: [f64; 2] =
+                    [f64::sin, f64::cos].map(|function| integral(&|k| function(self.angle[k]), 0));
+                rows.push(([sine, cosine], self.acceleration(integral)));
+            });
+            least_squares(&rows, 2.0)
+        });
+        let fits = fits.filter(|fit| fit.rows >= FEWEST_ROWS);
+        fits.max_by(|a, b| a.explained.total_cmp(&b.explained))
+    }
+
+    /// Whether the wheel keeps its own motion, as one that no torque reaches: φ̈ = −α̈. Wheel and gravity are then one
+    /// function of the log, and nothing can be told of either.
+    pub fn leaves_the_wheel(&self, speed: &[f64]) -> bool {
+        let ratios = self.view.bump_lengths_s().filter_map(|length_s| {
+            let mut points = vec![];
+            bumps(&self.view.record, length_s, |integral| {
+                points.push((self.acceleration(integral), -integral(&|k| speed[k], 1)));
+            });
+            ratio(&points, FEWEST_ROWS)
+        });
+        let best = ratios.max_by(|a, b| a.correlation.abs().total_cmp(&b.correlation.abs()));
+        best.is_some_and(|best| best.correlation < -OWN_MOTION && (best.factor + 1.0).abs() < EQUAL)
+    }
+
+    /// ∫ α̈ ψ dt under a bump.
+    fn acceleration(&self, integral: &Integral) -> f64 {
+        match self.rate {
+            Some(rate) => -integral(&|k| rate[k], 1),
+            None => {
+                // A constant has no acceleration, but the trapezoidal rule leaves a part of it.
+                let middle = integral(&|k| self.angle[k], 0) / integral(&|_| 1.0, 0);
+                integral(&|k| self.angle[k] - middle, 2)
+            }
+        }
     }
 
     /// How many turns the angle covers, as read.

@@ -27,32 +27,64 @@ const USUAL_DELAY: usize = 2;
 /// Largest delay, in samples, that is tried.
 const MOST_LATE: isize = 20;
 
-/// All checks of angle and rate against each other.
-pub(crate) fn check(view: &View, settled: &mut Settled, out: &mut Vec<Finding>) {
-    if same_columns(view, out) || view.kind() == Kind::SpinUp {
-        return;
+/// Checks whether the columns are those of their channels: no column twice, none in another's place. Returns whether a
+/// finding says that they are not; then no other comparison means anything.
+pub(crate) fn columns(view: &View, out: &mut Vec<Finding>) -> bool {
+    if same_columns(view, out) {
+        return true;
     }
+    let (Some(angle), Some(rate)) = (view.samples(Channel::Angle), view.samples(Channel::Rate))
+    else {
+        return false;
+    };
+    if view.kind() == Kind::SpinUp || is_derivative(view, angle, rate) {
+        return false;
+    }
+    let speed = view.samples(Channel::WheelSpeed);
+    let (sentence, other) = if is_derivative(view, rate, angle) {
+        (
+            "the angle is the derivative of the rate: the two columns are swapped",
+            "angle",
+        )
+    } else if speed.is_some_and(|speed| is_derivative(view, angle, speed)) {
+        (
+            "the wheel's speed is the derivative of the body's angle, and the rate is not: the two columns are swapped",
+            "wheel_speed",
+        )
+    } else {
+        return false;
+    };
+    out.push(
+        Finding::refusal(FindingId::RateFactor, sentence)
+            .in_experiment(view.name())
+            .with_channel("rate")
+            .with_fix(format!(
+                "columns = {{ {other} = …, rate = … }}, each with the other's column"
+            )),
+    );
+    true
+}
+
+/// Whether `samples` are the derivative of `of`, within the errors of a sensor.
+fn is_derivative(view: &View, of: &[f64], samples: &[f64]) -> bool {
+    view.ratio_to_derivative(of, samples)
+        .is_some_and(|(found, _)| {
+            found.correlation > CLEAR && (found.factor - 1.0).abs() < SCALE_ERROR
+        })
+}
+
+/// All checks of angle and rate against each other, of a log whose columns are in their places.
+pub(crate) fn check(view: &View, settled: &mut Settled, out: &mut Vec<Finding>) {
     let (Some(angle), Some(rate)) = (view.samples(Channel::Angle), view.samples(Channel::Rate))
     else {
         return;
     };
+    if view.kind() == Kind::SpinUp {
+        return;
+    }
     let Some((found, length_s)) = view.ratio_to_derivative(angle, rate) else {
         return;
     };
-    if (found.correlation < CLEAR || (found.factor - 1.0).abs() > SCALE_ERROR)
-        && are_swapped(view, angle, rate)
-    {
-        out.push(
-            Finding::refusal(
-                FindingId::RateFactor,
-                "the angle is the derivative of the rate: the two columns are swapped",
-            )
-            .in_experiment(view.name())
-            .with_channel("rate")
-            .with_fix("columns = { angle = …, rate = … }, each with the other's column"),
-        );
-        return;
-    }
     if late(view, angle, rate, (found.correlation, length_s), out) {
         return;
     }
@@ -94,6 +126,22 @@ pub(crate) fn check(view: &View, settled: &mut Settled, out: &mut Vec<Finding>) 
         short(found.factor)
     );
     match slip(found.factor) {
+        _ if view.counts_lines() && found.factor > 1.0 + SCALE_ERROR => {
+            let step = short(1.0 / found.factor);
+            out.push(
+                Finding::refusal(
+                    FindingId::TimeFactor,
+                    format!(
+                        "{stated}: the time counts the lines, and {step} s lie between two of them"
+                    ),
+                )
+                .in_experiment(view.name())
+                .with_channel("time")
+                .with_fix(format!(
+                    "time_step = {step} in the place of the time's column"
+                )),
+            );
+        }
         Some(factor) => {
             let (likely, fix) = reading(factor, angle);
             out.push(
@@ -125,14 +173,6 @@ pub(crate) fn check(view: &View, settled: &mut Settled, out: &mut Vec<Finding>) 
             }
         }
     }
-}
-
-/// Whether the angle's column is the derivative of the rate's.
-fn are_swapped(view: &View, angle: &[f64], rate: &[f64]) -> bool {
-    view.ratio_to_derivative(rate, angle)
-        .is_some_and(|(found, _)| {
-            found.correlation > CLEAR && (found.factor - 1.0).abs() < SCALE_ERROR
-        })
 }
 
 /// The cause of a factor between rate and derivative, and its remedy.

@@ -19,6 +19,7 @@
 //! | `law` | the current of a balance log with the stated gains |
 //! | `held` | joints that the experiment holds still |
 //! | `propose` | (for files without a bench.toml) proposes columns, units, signs, kinds and windows |
+//! | `constant` | channels that never change |
 //! | `channels`, `copies`, `known` | each channel and the time stamps; logs with each other; `[known]` |
 //!
 //! A finding refuses the data only if they would give a wrong model and have no other explanation: a factor
@@ -29,6 +30,7 @@
 
 mod body;
 mod channels;
+mod constant;
 mod copies;
 mod finding;
 mod held;
@@ -60,23 +62,39 @@ use view::{Facts, View};
 /// All findings for the data of a bench: refusals first, then in the order of its experiments.
 pub fn check(bench: &Bench) -> Vec<Finding> {
     let views: Vec<View> = bench.experiments.iter().map(View::new).collect();
-    let mut facts = Facts::of(bench, &views);
-    let answers = wheel::answers(&views);
+    let mut found = vec![];
+    known::check(bench, &mut found);
+    // What is out of scale is no measure for anything else.
+    let mut facts = match found.iter().any(is_refusal) {
+        true => Facts::default(),
+        false => Facts::of(bench, &views),
+    };
+    for view in &views {
+        if !constant::check(view, &mut found) {
+            channels::check(view, &mut found);
+        }
+        held::check(view, &mut found);
+    }
+    let is_wrapped = |view: &View| {
+        let mut of_view = found.iter().filter(|finding| is_about(finding, view));
+        of_view.any(|finding| finding.finding == FindingId::Wrapped && is_refusal(finding))
+    };
+    let sound: Vec<&View> = views.iter().filter(|view| !is_wrapped(view)).collect();
+    let answers = wheel::answers(&sound);
     let mut of_wheel = vec![];
-    wheel::check(bench, &views, &answers, &facts, &mut of_wheel);
+    wheel::check(bench, &sound, &answers, &facts, &mut of_wheel);
     if of_wheel.is_empty() {
         facts.wheel_share = spin_up_measure::wheel_share(bench, &answers, &facts);
         spin_up_measure::current(&answers, &facts, &mut of_wheel);
     }
-    let mut found = vec![];
     let mut settled = Settled::default();
     if of_wheel.is_empty() && bench.known.wheel_inertia.is_some() {
         spin_up_measure::settle(&answers, &facts, &mut settled);
     }
-    known::check(bench, &mut found);
     for view in &views {
-        channels::check(view, &mut found);
-        held::check(view, &mut found);
+        if kinematics::columns(view, &mut found) {
+            continue;
+        }
         swing::check(view, &mut settled, &mut found);
         momentum::check(view, &facts, &mut settled, &mut found);
         kinematics::check(view, &mut settled, &mut found);
@@ -88,8 +106,17 @@ pub fn check(bench: &Bench) -> Vec<Finding> {
     }
     copies::check(&views, &mut found);
     let mut found = accepted(bench, found);
-    found.sort_by_key(|finding| finding.severity);
+    let place = |finding: &Finding| views.iter().position(|view| is_about(finding, view));
+    found.sort_by_key(|finding| (finding.severity, place(finding)));
     found
+}
+
+fn is_refusal(finding: &Finding) -> bool {
+    finding.severity == Severity::Refuse
+}
+
+fn is_about(finding: &Finding, view: &View) -> bool {
+    finding.experiment.as_deref() == Some(view.name())
 }
 
 /// The findings that remain after those that the experiments accept. A finding that concerns the whole bench is

@@ -7,7 +7,7 @@ use bench_files::Channel;
 use plant::Kind;
 
 use crate::body::{Body, Cause};
-use crate::finding::{Finding, FindingId};
+use crate::finding::{Finding, FindingId, Severity};
 use crate::regression::LeastSquares;
 use crate::slips::{DEGREES, RPM, short, slip};
 use crate::swing;
@@ -24,21 +24,34 @@ const CLEAR: f64 = 0.9;
 /// Another unit of the angle is taken for right if its residual is below this share of the residual with the stated
 /// unit.
 const LEFT_OVER: f64 = 0.1;
+/// Least share of the acceleration's variance that a wrong unit leaves: a twentieth of the acceleration. Springs and
+/// presliding change a period by up to 4 % with the amplitude (see `swing`), and so can look like another unit below that.
+const LEAST_LEFT: f64 = 0.0025;
 /// Turns of a driven body above which gravity must be seen to act as the sine of its angle. A motor that lifts a body
 /// over the top does so against gravity, which then shows; a column in degrees goes far beyond so many turns.
 const MOST_TURNS: f64 = 2.0;
-/// Distance of the angle's zero from hanging, rad, above which it is no error of mounting (judgement: 20°).
+/// Turns above which no motor with a wheel did it (judgement): to go round so often in one log, the body must turn as
+/// fast as a wheel, whose momentum it has not got.
+const IMPOSSIBLE_TURNS: f64 = 20.0;
+/// Distance of the angle's zero from hanging, rad, above which it is no error of mounting (judgement: 20°), and above
+/// which it is no potentiometer's zero either, which the effect angle-offset finds (judgement: 45°; one recording of
+/// another lab has 41°).
 const ZERO_RAD: f64 = 0.35;
-
-/// Distance of the wheel's share of the inertia from 1 within which the wheel is taken to move by itself. No wheel has
-/// more than half of the inertia, and a clear coefficient is wrong by no more than [`CLEAR`] allows.
-const KEEPS_ITS_MOTION: f64 = 1.0 - CLEAR;
+const WRONG_ZERO_RAD: f64 = PI / 4.0;
 
 /// The other units in which an angle could be, as the factor by which it is then read too large.
 const OTHERS: [f64; 3] = [DEGREES, 1e3, 1.0 / TAU];
 
 pub(crate) fn check(view: &View, facts: &Facts, settled: &mut Settled, out: &mut Vec<Finding>) {
     let Some(body) = Body::of(view) else { return };
+    // Of an angle that runs against its rate, one has the wrong sign, which `kinematics` names. Gravity would seem to push
+    // such a body up.
+    if let (Some(angle), Some(rate)) = (view.samples(Channel::Angle), view.samples(Channel::Rate))
+        && let Some((ratio, _)) = view.ratio_to_derivative(angle, rate)
+        && ratio.correlation < -EXPLAINED
+    {
+        return;
+    }
     let speed = view.samples(Channel::WheelSpeed);
     let current = view.samples(Channel::Current);
     let causes = [
@@ -66,10 +79,20 @@ pub(crate) fn check(view: &View, facts: &Facts, settled: &mut Settled, out: &mut
         }
     }
     let found_before = out.len();
-    if let Some(Fits {
-        as_read: Some(best),
-        ..
-    }) = &by_wheel
+    let is_left = speed.is_some_and(|speed| body.leaves_the_wheel(speed));
+    if is_left
+        && let Some(fit) = body.fit_gravity()
+        && fit.explained > EXPLAINED
+    {
+        gravity(view, &body, &fit, 0, out);
+    }
+    if let (
+        Some(Fits {
+            as_read: Some(best),
+            ..
+        }),
+        false,
+    ) = (&by_wheel, is_left)
     {
         exchange(view, &body, best, facts, settled, out);
     }
@@ -93,7 +116,15 @@ pub(crate) fn check(view: &View, facts: &Facts, settled: &mut Settled, out: &mut
             "the body would go round {} times, but its motion does not show gravity in every turn",
             short(body.turns())
         );
-        out.push(unit_of_angle(view, &body, DEGREES, &sentence));
+        let finding = unit_of_angle(view, &body, DEGREES, &sentence);
+        out.push(Finding {
+            severity: match body.turns() > IMPOSSIBLE_TURNS {
+                true => Severity::Refuse,
+                // A motor with a long lever, or a log without the wheel in which gravity is hidden.
+                false => Severity::Warn,
+            },
+            ..finding
+        });
     }
 }
 
@@ -125,7 +156,8 @@ impl Fits {
         let as_read = self.as_read.as_ref();
         let of_read = as_read.map_or(1.0, left);
         // What does not feel the motor either is no pendulum in any unit.
-        if best.explained > EXPLAINED && left(best) < LEFT_OVER * of_read && shows(best, 0) {
+        let is_better = left(best) < LEFT_OVER * of_read && of_read > LEAST_LEFT;
+        if best.explained > EXPLAINED && is_better && shows(best, 0) {
             return Some(*scale);
         }
         let is_read = of_read < LEFT_OVER * left(&self.in_degrees()?)
@@ -166,11 +198,7 @@ fn exchange(
     }
     // α̈ = −(j_w/Θ) φ̈ + …
     let share = -fit.coefficients[0];
-    // A wheel that no torque reaches keeps its own motion, φ̈ = −α̈: that explains everything and tells nothing.
-    if (share - 1.0).abs() < KEEPS_ITS_MOTION {
-        return;
-    }
-    gravity(view, body, fit, out);
+    gravity(view, body, fit, 1, out);
     if !shows(fit, 0) {
         return;
     }
@@ -283,20 +311,46 @@ fn against_the_bench(view: &View, times: f64, factor: f64) -> Finding {
         .with_factor(factor)
 }
 
-/// What gravity tells: the period, and where the angle is counted from.
-fn gravity(view: &View, body: &Body, fit: &LeastSquares, out: &mut Vec<Finding>) {
-    let (sine, cosine) = (fit.coefficients[1], fit.coefficients[2]);
+/// What gravity tells: the period, and where the angle is counted from. The columns of sine and cosine begin with the
+/// column `first`.
+fn gravity(view: &View, body: &Body, fit: &LeastSquares, first: usize, out: &mut Vec<Finding>) {
+    let (sine, cosine) = (fit.coefficients[first], fit.coefficients[first + 1]);
     if body.channel == Channel::Angle && view.kind() == Kind::Driven {
         // −ω² sin(α − c) = −ω² cos c sin α + ω² sin c cos α
         let zero = cosine.atan2(-sine);
-        let is_seen = shows(fit, 1) || shows(fit, 2);
-        let unsure = fit.std[1].hypot(fit.std[2]) / sine.hypot(cosine);
-        if is_seen && zero.abs() > ZERO_RAD + STANDARD_ERRORS * unsure {
-            out.push(counted_from(view, zero));
+        let is_seen = shows(fit, first) || shows(fit, first + 1);
+        let unsure = fit.std[first].hypot(fit.std[first + 1]) / sine.hypot(cosine);
+        let beyond = |limit: f64| zero.abs() > limit + STANDARD_ERRORS * unsure;
+        if is_seen && beyond(ZERO_RAD) {
+            let severity = match beyond(WRONG_ZERO_RAD) {
+                true => Severity::Refuse,
+                false => Severity::Warn,
+            };
+            out.push(Finding {
+                severity,
+                ..counted_from(view, zero)
+            });
             return;
         }
     }
-    if is_clear(fit, 1) {
+    // −ω² sin α brings a body back to 0 and drives it away from π.
+    if view.kind() == Kind::Balance
+        && body.channel == Channel::Angle
+        && sine > 0.0
+        && is_clear(fit, first)
+    {
+        out.push(
+            Finding::refusal(
+                FindingId::AngleZero,
+                "gravity brings the body back to where its angle says upright: it hangs there and does not balance",
+            )
+            .in_experiment(view.name())
+            .with_channel("angle")
+            .with_fix("offset = { angle = 3.14159265 } and kind = \"driven\""),
+        );
+        return;
+    }
+    if is_clear(fit, first) {
         let period_s = TAU / sine.abs().sqrt();
         swing::period(view, period_s, out);
     }

@@ -7,7 +7,7 @@ use bench_files::Channel;
 
 use crate::finding::{Finding, FindingId};
 use crate::slips::short;
-use crate::view::{median, range};
+use crate::view::{median, range, spoken};
 
 /// Share of the range that a jump covers. The motion within one sample, by which a jump is shorter than a turn, must
 /// not be half a turn: then the way that was taken is unknown.
@@ -69,7 +69,7 @@ fn sawtooth(samples: &[f64]) -> Option<Sawtooth> {
 /// speed should be.
 pub(crate) fn check(channel: Channel, samples: &[f64]) -> Option<Finding> {
     let found = sawtooth(samples)?;
-    let spoken = channel.key().replace('_', " ");
+    let spoken = spoken(channel);
     let sentence = format!(
         "the {spoken} jumps {} times by {} within one sample while the motion goes on: the sensor starts again from the \
          other end of its range",

@@ -6,7 +6,7 @@ use plant::Kind;
 use crate::finding::{Finding, FindingId};
 use crate::slips::{short, slip};
 use crate::units::Settled;
-use crate::view::{Facts, View, median};
+use crate::view::{Facts, median};
 use crate::wheel::Answers;
 
 /// The wheel's share of the total inertia, j_w/Θ, from `[known]` or from the spin-ups; `None` where neither tells.

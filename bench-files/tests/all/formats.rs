@@ -310,7 +310,7 @@ fn a_wrapped_angle_with_noise_is_unwrapped() {
     };
     for row in 0..200 {
         let turn = std::f64::consts::TAU;
-        let noise = 0.1 * f64::from(row * 7 % 5 - 2);
+        let noise = 0.1 * (f64::from(row * 7 % 5) - 2.0);
         let angle = truth(row).rem_euclid(turn) + noise;
         log.push_str(&format!("{},{angle}\n", 0.01 * f64::from(row)));
     }

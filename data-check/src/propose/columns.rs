@@ -72,7 +72,7 @@ fn named(name: &str, unit: Option<&str>) -> Option<Channel> {
         Some(Quantity::Speed) if has(&RATE) || has(&ANGLE) => Some(Channel::Rate),
         Some(Quantity::Speed) => Some(Channel::WheelSpeed),
         None if lower == "t" || has(&TIME) => Some(Channel::Time),
-        None if has(&CURRENT) || lower == "i" => Some(Channel::Current),
+        None if has(&CURRENT) || ["i", "cur"].contains(&lower.as_str()) => Some(Channel::Current),
         None if of_wheel && has(&TURNED) => Some(Channel::WheelAngle),
         None if of_wheel => Some(Channel::WheelSpeed),
         None if has(&RATE) => Some(Channel::Rate),

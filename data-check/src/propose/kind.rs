@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use bench_files::{Channel, Table};
 use plant::Kind;
 
-use super::columns::Mapped;
+use super::columns::{Mapped, is_index};
 use crate::regression::least_squares;
 use crate::slips::short;
 use crate::view::{median, range};
@@ -67,7 +67,8 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
         guess.reason = "the file has the wheel and not the body".to_owned();
         if current.is_none() {
             guess.questions.push(HELD_AT_WHAT.to_owned());
-            guess.questions.extend(command(table));
+            let of_column = command(table).or_else(|| which_current(table, mapped));
+            guess.questions.extend(of_column);
         }
         return guess;
     }
@@ -136,6 +137,12 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
         }
     } else if let Some(question) = command(table) {
         guess.questions.push(question);
+    } else if let Some(question) = which_current(table, mapped) {
+        guess.questions.push(question);
+    } else if guess.kind == Kind::Balance {
+        guess.questions.push(
+            "a body does not balance without a current: columns = { current = … }".to_owned(),
+        );
     } else {
         guess.held_current_a = Some((
             0.0,
@@ -143,6 +150,28 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
         ));
     }
     guess
+}
+
+/// What to decide where no name says which column is the current: a driven wheel without one is most unlikely.
+fn which_current(table: &Table, mapped: &[Mapped]) -> Option<String> {
+    let is_free = |index: &usize| {
+        let values = &table.columns[*index];
+        let changes = range(values).is_some_and(|(low, high)| low < high);
+        changes && !is_index(values) && !mapped.iter().any(|one| one.index == *index)
+    };
+    let free = (0..table.names.len()).filter(is_free);
+    let names: Vec<String> = free
+        .map(|index| format!("\"{}\"", table.names[index]))
+        .collect();
+    let (first, more) = names.split_first()?;
+    let names = match more {
+        [] => first.clone(),
+        _ => format!("one of {first}, {}", more.join(", ")),
+    };
+    Some(format!(
+        "no column is the current by its name: is it {names} (columns = {{ current = … }}), or was the motor off \
+         (constants = {{ current = 0.0 }})?"
+    ))
 }
 
 /// Parts of names of a motor's command that is no current.

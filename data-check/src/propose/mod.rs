@@ -334,11 +334,15 @@ fn mend_one(draft: &mut Draft, finding: &Finding) -> bool {
     }
     if finding.finding == FindingId::AngleZero {
         let offset = finding.fix.strip_prefix("offset = { angle = ");
-        let offset = offset.and_then(|text| text.trim_end_matches(" }").parse::<f64>().ok());
+        let offset = offset.and_then(|text| text.split(" }").next()?.parse::<f64>().ok());
         let Some(offset) = offset.filter(|_| draft.offset_rad.is_none()) else {
             return false;
         };
         draft.offset_rad = Some((offset, finding.sentence.clone()));
+        if finding.fix.contains("kind = \"driven\"") {
+            draft.kind = Kind::Driven;
+            draft.kind_reason = finding.sentence.clone();
+        }
         return true;
     }
     if finding.finding == FindingId::Wrapped {

@@ -2,6 +2,7 @@
 
 mod columns;
 mod corrections;
+mod hostile;
 mod kinds;
 mod known_faults;
 mod matrix;

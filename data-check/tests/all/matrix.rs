@@ -3,7 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use data_check::{Finding, FindingId, check};
+use data_check::{Finding, FindingId, Severity, check};
 
 use crate::simulated::{Log, Numbers};
 
@@ -64,12 +64,13 @@ fn with_plain_names(mut log: Log) -> Log {
     log
 }
 
-/// The findings about a log that name a factor, or say that the unit of this column is unstated.
+/// The findings about a log that refuse it, name a factor, or say that the unit of this column is unstated.
 fn about(log: &Log, column: &str, found: &[Finding]) -> Vec<(FindingId, Option<f64>)> {
     let key = PLAIN_NAMES.iter().find(|(name, _, _)| *name == column);
     let key = key.map(|(_, _, key)| *key);
     let names_it = |finding: &&Finding| {
         finding.factor.is_some()
+            || finding.severity == Severity::Refuse
             || finding.finding == FindingId::UnitUnstated && finding.channel.as_deref() == key
     };
     found
