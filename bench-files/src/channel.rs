@@ -76,6 +76,11 @@ impl Channel {
         }
     }
 
+    /// The SI unit, as `units` in bench.toml writes it.
+    pub fn si_unit(self) -> &'static str {
+        self.units()[0].0
+    }
+
     /// The units that `units` accepts for this channel, SI first.
     pub(crate) fn units(self) -> &'static [Unit] {
         match self {

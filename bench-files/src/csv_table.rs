@@ -12,10 +12,11 @@ use csv::{ErrorKind, StringRecord};
 use encoding_rs::UTF_8;
 use encoding_rs_io::DecodeReaderBytesBuilder;
 
+use crate::cell::{number, with_unit};
 use crate::dialect::{self, Dialect, Header, LOOKED_AT};
-
 use crate::error::{Error, Names, Place, Problem, shortened};
 use crate::files::Files;
+use crate::units_in_text::plain_unit;
 use crate::write::reason;
 
 /// Largest size of a log, in bytes.
@@ -107,6 +108,16 @@ impl Row<'_> {
         number(text, self.decimal_comma).map_err(|problem| self.error(k, *problem))
     }
 
+    /// As [`Row::number`], without the place of what is wrong: that costs a second look into the file.
+    pub fn plain_number(&self, k: usize) -> Option<f64> {
+        number(self.text(k), self.decimal_comma).ok()
+    }
+
+    /// The number in the requested column `k`, and the unit that stands behind it in the cell.
+    pub fn number_with_unit(&self, k: usize) -> Option<(f64, &'static str)> {
+        with_unit(self.text(k), self.decimal_comma)
+    }
+
     /// An error in the cell of column `k`.
     pub fn error(&self, k: usize, problem: Problem) -> Error {
         let line = self.source.line_of(self.record.position());
@@ -194,7 +205,7 @@ pub(crate) fn open<'p>(files: Files<'p>, path: &'p Path) -> Result<OpenTable<'p>
             table.header_line = source.line_of(header.position());
             table.columns = header.iter().map(str::to_string).collect();
             if units && let Some(units) = table.next_record()? {
-                table.units = units.iter().map(dialect::plain_unit).collect();
+                table.units = units.iter().map(plain_unit).collect();
             }
         }
     }
@@ -218,19 +229,19 @@ fn text_of<'p>(
         let mut builder = DecodeReaderBytesBuilder::new();
         let decoded = builder.encoding(Some(dialect.encoding)).build(whole);
         let mut lines = BufReader::new(decoded);
-        skip_lines(&mut lines, dialect.lines_before)?;
+        skip_lines(&mut lines, dialect)?;
         return Ok((Box::new(lines), 0));
     }
     let mut lines = BufReader::new(whole);
-    bytes_before += skip_lines(&mut lines, dialect.lines_before)?;
+    bytes_before += skip_lines(&mut lines, dialect)?;
     Ok((Box::new(lines), bytes_before))
 }
 
-/// Skips lines, and returns their number of bytes.
-fn skip_lines(lines: &mut impl BufRead, count: u64) -> io::Result<u64> {
+/// Skips the lines before the table, and returns their number of bytes.
+fn skip_lines(lines: &mut impl BufRead, dialect: &Dialect) -> io::Result<u64> {
     let mut bytes = 0;
-    for _ in 0..count {
-        bytes += lines.skip_until(b'\n')? as u64;
+    for _ in 0..dialect.lines_before {
+        bytes += lines.skip_until(dialect.line_end)? as u64;
     }
     Ok(bytes)
 }
@@ -337,37 +348,6 @@ impl OpenTable<'_> {
     }
 }
 
-/// A cell as a number.
-fn number(cell: &str, decimal_comma: bool) -> Result<f64, Box<Problem>> {
-    if cell.is_empty() {
-        return Err(Box::new(Problem::EmptyCell));
-    }
-    let with_point = cell.replacen(',', ".", 1);
-    let value = if decimal_comma && !cell.contains('.') {
-        with_point.parse::<f64>()
-    } else {
-        cell.parse()
-    };
-    let value = value.map_err(|_| {
-        Box::new(Problem::NotANumber {
-            cell: shortened(cell),
-            hint: if !decimal_comma && with_point.parse::<f64>().is_ok() {
-                " (a point, not a comma, before the decimals)"
-            } else if decimal_comma && cell.contains('.') {
-                " (the other numbers of this file have a comma before the decimals)"
-            } else {
-                ""
-            },
-        })
-    })?;
-    if !value.is_finite() {
-        return Err(Box::new(Problem::NotFinite {
-            cell: shortened(cell),
-        }));
-    }
-    Ok(value)
-}
-
 fn at_line(path: &Path, line: u64, column: Option<&str>) -> Place {
     Place {
         file: path.to_path_buf(),
@@ -449,7 +429,7 @@ impl Read for Bounded<'_> {
 pub struct Table {
     /// Names of the columns; "1", "2", … where the file has no header line.
     pub names: Vec<String>,
-    /// Units from the file's line of units, as `units` in bench.toml writes them.
+    /// Units from the file's line of units or from its cells, as `units` in bench.toml writes them.
     pub units: Vec<Option<&'static str>>,
     /// Whether the names are the file's own.
     pub has_header: bool,
@@ -465,12 +445,17 @@ impl Table {
     pub fn read(path: &Path, most_rows: usize) -> Result<Table, Error> {
         let mut table = open(Files::Disk, path)?;
         let names = table.columns.clone();
-        let units = names.iter().map(|name| table.unit(name)).collect();
+        let mut units: Vec<_> = names.iter().map(|name| table.unit(name)).collect();
         let mut columns = vec![vec![]; names.len()];
         table.read_rows(&names, |row| {
             if row.index < most_rows {
                 for (k, column) in columns.iter_mut().enumerate() {
-                    column.push(row.number(k).unwrap_or(f64::NAN));
+                    let number = row.plain_number(k).or_else(|| {
+                        // The unit of the first cell is that of the column.
+                        let (number, unit) = row.number_with_unit(k)?;
+                        (*units[k].get_or_insert(unit) == unit).then_some(number)
+                    });
+                    column.push(number.unwrap_or(f64::NAN));
                 }
             }
             Ok(())

@@ -3,6 +3,9 @@
 
 use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
 
+use crate::cell::is_number;
+use crate::units_in_text::plain_unit;
+
 /// Number of bytes at the beginning of a file that are examined.
 pub(crate) const LOOKED_AT: usize = 64 << 10;
 /// Number of lines that are examined.
@@ -23,6 +26,8 @@ pub(crate) struct Dialect {
     pub decimal_comma: bool,
     /// Number of lines before the header line, or before the first sample if there is no header.
     pub lines_before: u64,
+    /// The last byte of every line: an old Macintosh ends its lines with a carriage return alone.
+    pub line_end: u8,
     pub header: Header,
 }
 
@@ -83,11 +88,13 @@ pub(crate) fn dialect(bytes: &[u8]) -> Result<Dialect, Box<TwoReadings>> {
     let whole = if bytes.len() < LOOKED_AT {
         text
     } else {
-        text.rsplit_once('\n').map_or(text, |(whole, _)| whole)
+        text.rsplit_once(['\n', '\r'])
+            .map_or(text, |(whole, _)| whole)
     };
     let mut stated = None;
     let mut lines: Vec<(u64, &str)> = vec![];
-    for (index, line) in whole.split('\n').enumerate().take(LINES) {
+    let line_end = if whole.contains('\n') { '\n' } else { '\r' };
+    for (index, line) in whole.split(line_end).enumerate().take(LINES) {
         let line = line.trim_end_matches('\r');
         let trimmed = line.trim();
         if lines.is_empty()
@@ -106,6 +113,7 @@ pub(crate) fn dialect(bytes: &[u8]) -> Result<Dialect, Box<TwoReadings>> {
             .unwrap_or_else(|| usual_separator(lines.first().map_or("", |line| line.1))),
         decimal_comma: false,
         lines_before: lines.first().map_or(0, |line| line.0),
+        line_end: if line_end == '\n' { b'\n' } else { b'\r' },
         header: Header::Line { units: false },
     };
     let Some((separator, decimal_comma)) = best_style(&lines, stated, usual.separator) else {
@@ -132,31 +140,32 @@ fn usual_separator(line: &str) -> u8 {
         .unwrap_or(b',')
 }
 
+/// The cells of a line. A separator between quotation marks is part of its cell.
 fn cells(line: &str, separator: u8) -> Vec<&str> {
-    let cells = line.split(char::from(separator));
+    // An odd number of quotation marks are inches.
+    let is_in_pairs = line.bytes().filter(|byte| *byte == b'"').count() % 2 == 0;
+    let mut is_quoted = false;
+    let cells = line.split(move |c: char| {
+        is_quoted ^= c == '"' && is_in_pairs;
+        c == char::from(separator) && !is_quoted
+    });
     cells
         .map(|cell| cell.trim().trim_matches('"').trim())
         .collect()
 }
 
-fn is_number(cell: &str, decimal_comma: bool) -> bool {
-    if decimal_comma {
-        !cell.contains('.') && cell.replacen(',', ".", 1).parse::<f64>().is_ok()
-    } else {
-        cell.parse::<f64>().is_ok()
-    }
-}
-
 /// The separator and decimal mark with which most cells below the first line are numbers. If several are equal, the
 /// separator of the first line and the decimal point are preferred.
 fn best_style(lines: &[(u64, &str)], stated: Option<u8>, usual: u8) -> Option<(u8, bool)> {
-    let styles: [(u8, bool); 8] = [
+    let styles: [(u8, bool); 9] = [
         (usual, false),
         (b',', false),
         (b';', false),
         (b'\t', false),
         (b';', true),
         (b'\t', true),
+        // Every number with decimals is in quotation marks.
+        (b',', true),
         (b'|', false),
         (b' ', false),
     ];
@@ -285,29 +294,6 @@ fn is_unit(cell: &str) -> bool {
             || cell.starts_with(['[', '(']))
 }
 
-/// A unit as `units` in bench.toml writes it, from other ways of writing it: `[°/s]` is `deg/s`.
-pub fn plain_unit(cell: &str) -> Option<&'static str> {
-    let bare = cell.trim_matches(['[', ']', '(', ')', ' ']);
-    Some(match bare {
-        "s" | "sec" | "seconds" => "s",
-        "ms" | "msec" => "ms",
-        "us" | "µs" | "μs" => "us",
-        "ns" => "ns",
-        "rad" => "rad",
-        "mrad" => "mrad",
-        "deg" | "°" | "degrees" | "Grad" => "deg",
-        "rev" | "turns" => "rev",
-        "rad/s" | "rad/sec" | "rad s-1" | "rads-1" => "rad/s",
-        "mrad/s" => "mrad/s",
-        "deg/s" | "°/s" | "dps" | "deg/sec" => "deg/s",
-        "rev/s" | "rps" | "1/s" => "rev/s",
-        "rpm" | "RPM" | "1/min" | "U/min" | "min-1" | "r/min" => "rpm",
-        "A" => "A",
-        "mA" => "mA",
-        _ => return None,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -325,6 +311,8 @@ mod tests {
             ("t\ta\n0,1\t0,25\n0,2\t0,3\n", b'\t', true),
             ("sep=;\nt;a\n0,1;0,25\n0,2;0,3\n", b';', true),
             ("t;a, b\n1;2\n3;4\n", b';', false),
+            ("t,a\n\"0,1\",\"0,25\"\n\"0,2\",\"0,3\"\n", b',', true),
+            ("t,a\n0.1,\"1,234.5\"\n0.2,\"1,235.5\"\n", b',', false),
             ("t|a\n1|2\n3|4\n", b'|', false),
             ("t a\n1 2\n3 4\n", b' ', false),
         ] {

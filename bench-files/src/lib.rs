@@ -15,6 +15,7 @@ mod averages;
 mod bench;
 mod bring_up;
 mod calibration;
+mod cell;
 mod channel;
 mod correlation;
 mod csv_table;
@@ -39,6 +40,7 @@ mod parameter;
 mod toml_section;
 mod toml_source;
 mod toml_writing;
+mod units_in_text;
 mod write;
 
 pub use bench::{Bench, Controller};
@@ -51,7 +53,6 @@ pub use channel::Channel;
 pub use correlation::Correlation;
 pub use csv_table::{MAX_LOG_BYTES, MAX_LOG_ROWS, Table};
 pub use design_section::DesignSection;
-pub use dialect::plain_unit;
 pub use drop_out::{LONGEST_DROP_OUT, drop_outs};
 pub use effects_section::Tie;
 pub use error::{Error, Place, Problem};
@@ -61,9 +62,10 @@ pub use hardware::{
     AngleSensor, Drive, DriveKind, Hardware, InertialSensor, Part, WheelSpeedSensor, known_parts,
 };
 pub use known::{Known, MissingKnowns};
-pub use log::{LoadReport, Log, MIN_SAMPLES, Note};
+pub use log::{LoadReport, Log, MIN_SAMPLES, Note, UnstatedUnit};
 pub use model_file::ModelFile;
 pub use outline::{BenchOutline, NewExperiment, file_name};
 pub use own_effect::{OWN_PREFIX, OwnEffect};
 pub use parameter::Parameter;
+pub use units_in_text::{plain_unit, unit_of_name};
 pub use write::{can_write_into, write_atomically};

@@ -4,8 +4,9 @@ use bench_files::{Channel, Note};
 use identify::{noise_std, resolution};
 
 use crate::finding::{Finding, FindingId};
-use crate::slips::{DEGREES, short};
-use crate::view::{View, largest, median, range};
+use crate::sawtooth;
+use crate::slips::short;
+use crate::view::{View, largest, median, range, spoken};
 
 /// Smallest number of equal samples that counts as a stop at a limit.
 const AT_LIMIT: usize = 4;
@@ -21,6 +22,12 @@ const NOISY_STEPS: f64 = 2.0;
 const CLIPPED_SHARE: f64 = 0.02;
 /// Smallest number of equal samples of a frozen channel.
 const FROZEN: usize = 5;
+/// Share of a log that may be frozen before results from the channel are wrong (judgement).
+const FROZEN_SHARE: f64 = 0.1;
+/// Least noise of a channel that can be missed, as a share of its range: less is a simulation's, or a filter's.
+const LEAST_NOISE: f64 = 1e-4;
+/// Distance of a frozen value from the channel's median, as a share of half its range, from which it is no rest.
+const OFF_REST: f64 = 0.1;
 /// Number of levels below which a channel hardly resolves a motion.
 const FEW_LEVELS: f64 = 12.0;
 /// Share of equal neighbouring samples above which a channel repeats samples.
@@ -41,7 +48,7 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
         for finding in [
             series.clipped(channel),
             series.frozen(channel),
-            series.wrapped(channel),
+            sawtooth::check(channel, samples),
             series.quantised(channel),
             series.stale(channel),
         ]
@@ -56,6 +63,8 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
         }
     }
 }
+
+const CUT_OUT: &str = "exclude that part with from and until, or check the bus of the sensor";
 
 struct Series<'s> {
     samples: &'s [f64],
@@ -122,6 +131,10 @@ impl<'s> Series<'s> {
     }
 
     fn clipped(&self, channel: Channel) -> Option<Finding> {
+        // A channel of few levels stands at each of them.
+        if self.high - self.low < FEW_LEVELS * self.step {
+            return None;
+        }
         let mut at_limit = 0;
         for run in self.runs(AT_LIMIT) {
             let value = self.samples[run.from];
@@ -189,6 +202,7 @@ impl<'s> Series<'s> {
                     .slope_before(run)
                     .is_some_and(|slope| slope * value > 0.0);
                 value.abs() == largest
+                    && range(before).is_some_and(|(low, high)| low < high)
                     && rises
                     && noise_std(before) > NOISY_STEPS * resolution(before)
             });
@@ -199,6 +213,71 @@ impl<'s> Series<'s> {
     }
 
     fn frozen(&self, channel: Channel) -> Option<Finding> {
+        self.frozen_in_motion(channel)
+            .or_else(|| self.frozen_without_noise(channel))
+    }
+
+    /// A stop in the middle of a channel's own noise: two steps of noise repeat a sample once in five times, so that
+    /// [`STUCK`] samples in a row are chance in 10⁷ lines once in a million logs. A body or a wheel that stands still may
+    /// show no noise, but it does not jump when it moves again, and it does not stand far from its usual place to the end.
+    fn frozen_without_noise(&self, channel: Channel) -> Option<Finding> {
+        let is_frozen = |run: &Run| {
+            let value = self.samples[run.from];
+            let (before, after) = (&self.samples[..run.from], &self.samples[run.until..]);
+            let elsewhere = if before.len() > after.len() {
+                before
+            } else {
+                after
+            };
+            let (Some((low, high)), Some(middle)) = (range(elsewhere), median(elsewhere.to_vec()))
+            else {
+                return false;
+            };
+            let (noise, step) = (noise_std(elsewhere), resolution(elsewhere));
+            if elsewhere.len() < STUCK
+                || noise <= (LEAST_NOISE * (high - low)).max(NOISY_STEPS * step)
+            {
+                return false;
+            }
+            let jumps = |beside: Option<&f64>| {
+                beside.is_some_and(|beside| (beside - value).abs() > BEYOND_NOISE * noise)
+            };
+            // What is held at the beginning is told by the swing.
+            if before.is_empty() || low == high {
+                return false;
+            }
+            if after.is_empty() {
+                return value != 0.0 && (value - middle).abs() > OFF_REST * 0.5 * (high - low);
+            }
+            // A wheel rests, and a motor can start it within one sample.
+            let is_wheel = channel == Channel::WheelSpeed;
+            if is_wheel && value.abs() < OFF_REST * 0.5 * (high - low) {
+                return false;
+            }
+            // A sensor without power says 0; a body at rest has a rate of 0, and comes to it without a jump.
+            let is_rest = value == 0.0 || is_wheel;
+            jumps(after.first()) && (jumps(before.last()) || !is_rest)
+        };
+        let runs = self.runs(STUCK).into_iter();
+        let is_at_limit = |run: &Run| [self.low, self.high].contains(&self.samples[run.from]);
+        let frozen = runs.filter(|run| !is_at_limit(run) && is_frozen(run));
+        let count: usize = frozen.map(|run| run.until - run.from).sum();
+        if count == 0 {
+            return None;
+        }
+        let make = if count as f64 > FROZEN_SHARE * self.samples.len() as f64 {
+            Finding::refusal
+        } else {
+            Finding::warning
+        };
+        let sentence = format!(
+            "the {} stands still for {count} samples without the noise that it has elsewhere",
+            spoken(channel)
+        );
+        Some(make(FindingId::Frozen, sentence).with_fix(CUT_OUT))
+    }
+
+    fn frozen_in_motion(&self, channel: Channel) -> Option<Finding> {
         let run = self.runs(FROZEN).into_iter().find(|run| {
             let (Some(before), Some(after)) =
                 (self.slope_before(run), self.slope_after(run.until, run))
@@ -223,53 +302,7 @@ impl<'s> Series<'s> {
             spoken(channel),
             run.until - run.from
         );
-        Some(
-            Finding::warning(FindingId::Frozen, sentence)
-                .with_fix("exclude that part with from and until, or check the bus of the sensor"),
-        )
-    }
-
-    fn wrapped(&self, channel: Channel) -> Option<Finding> {
-        let jumps: Vec<f64> = self
-            .samples
-            .windows(2)
-            .map(|pair| pair[1] - pair[0])
-            .filter(|jump| jump.abs() > 0.7 * (self.high - self.low))
-            .map(f64::abs)
-            .collect();
-        let usual = median(
-            self.samples
-                .windows(2)
-                .map(|pair| (pair[1] - pair[0]).abs())
-                .collect(),
-        )?;
-        let size = median(jumps.clone())?;
-        let alike = jumps.iter().all(|jump| (jump / size - 1.0).abs() < 0.1);
-        // A motion that crosses most of its range between two samples is sampled too slowly for this check.
-        if jumps.len() < 2 || !alike || usual > 0.1 * size || channel == Channel::Rate {
-            return None;
-        }
-        let sentence = format!(
-            "the {} jumps {} times by {} within one sample: the sensor starts again from the other end of its range",
-            spoken(channel),
-            jumps.len(),
-            short(size)
-        );
-        let turn = 360.0;
-        Some(
-            if channel == Channel::Angle && (size / turn - 1.0).abs() < 0.1 {
-                Finding::refusal(
-                    FindingId::Wrapped,
-                    format!("{sentence}, at 360: it is in degrees"),
-                )
-                .with_factor(DEGREES)
-                .with_fix("units = { angle = \"deg\" }")
-            } else {
-                Finding::warning(FindingId::Wrapped, sentence).with_fix(
-                    "log several turns without a jump, or use a unit in which a turn is 2π rad",
-                )
-            },
-        )
+        Some(Finding::warning(FindingId::Frozen, sentence).with_fix(CUT_OUT))
     }
 
     fn quantised(&self, channel: Channel) -> Option<Finding> {
@@ -333,6 +366,9 @@ impl<'s> Series<'s> {
 
 /// Share of a turn between two samples above which the direction of a wheel is uncertain; at half a turn it is unknown.
 const DOUBTFUL_TURN: f64 = 0.4;
+/// Share of such steps above which the speed is wrong somewhere: a wheel that speeds up through half a turn a sample
+/// has them on its way there, and a lost sample is one.
+const DOUBTFUL_SHARE: f64 = 0.01;
 
 fn wheel_angle(view: &View, out: &mut Vec<Finding>) {
     let Some(angle) = view.samples(Channel::WheelAngle) else {
@@ -340,22 +376,31 @@ fn wheel_angle(view: &View, out: &mut Vec<Finding>) {
     };
     let steps: Vec<f64> = angle.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let most = largest(&steps) / std::f64::consts::TAU;
-    if most > DOUBTFUL_TURN {
+    let doubtful = steps
+        .iter()
+        .filter(|step| step.abs() > DOUBTFUL_TURN * std::f64::consts::TAU)
+        .count();
+    let mut say = |finding: Finding| {
+        out.push(
+            finding
+                .in_experiment(view.name())
+                .with_channel("wheel_angle"),
+        );
+    };
+    if let Some(finding) = sawtooth::check(Channel::WheelAngle, angle) {
+        say(finding);
+    } else if doubtful > 0 {
         let sentence = format!(
             "the wheel turns by {} of a turn from sample to sample, so its direction is uncertain",
             short(most)
         );
-        out.push(
-            Finding::warning(FindingId::Wrapped, sentence)
-                .in_experiment(view.name())
-                .with_channel("wheel_angle")
-                .with_fix("log faster, or log the wheel's speed"),
-        );
+        let make = if doubtful as f64 > DOUBTFUL_SHARE * steps.len() as f64 {
+            Finding::refusal
+        } else {
+            Finding::warning
+        };
+        say(make(FindingId::Wrapped, sentence).with_fix("log faster, or log the wheel's speed"));
     }
-}
-
-fn spoken(channel: Channel) -> String {
-    channel.key().replace('_', " ")
 }
 
 fn time_stamps(view: &View, out: &mut Vec<Finding>) {
@@ -390,6 +435,12 @@ fn time_stamps(view: &View, out: &mut Vec<Finding>) {
                 "the times have {gaps} of more than twenty usual intervals: the motion there is unknown, or the clock jumped"
             ),
             "keep one side of the gap with from and until",
+        );
+    }
+    if view.counts_lines() {
+        say(
+            "the times are consecutive whole numbers: does the column count the lines?".to_owned(),
+            "time_step = … (seconds from line to line) in the place of the time's column, if it does",
         );
     }
     let mut steps: Vec<f64> = view

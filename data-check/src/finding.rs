@@ -12,6 +12,10 @@ pub enum FindingId {
     SameColumn,
     /// The angle's unit contradicts the motion of a pendulum.
     AngleFactor,
+    /// The angle is not counted from hanging.
+    AngleZero,
+    /// Nothing states the unit of a column, or its name states another one.
+    UnitUnstated,
     /// The unit of the time contradicts the period of a pendulum, or the sample time of the controller.
     TimeFactor,
     /// Time stamps vary, leave gaps or repeat.
@@ -58,10 +62,12 @@ pub enum FindingId {
 
 impl FindingId {
     /// All findings.
-    pub const ALL: [FindingId; 24] = [
+    pub const ALL: [FindingId; 26] = [
         FindingId::RateFactor,
         FindingId::SameColumn,
         FindingId::AngleFactor,
+        FindingId::AngleZero,
+        FindingId::UnitUnstated,
         FindingId::TimeFactor,
         FindingId::TimeStamps,
         FindingId::CurrentSign,
@@ -91,6 +97,8 @@ impl FindingId {
             FindingId::RateFactor => "rate-factor",
             FindingId::SameColumn => "same-column",
             FindingId::AngleFactor => "angle-factor",
+            FindingId::AngleZero => "angle-zero",
+            FindingId::UnitUnstated => "unit-unstated",
             FindingId::TimeFactor => "time-factor",
             FindingId::TimeStamps => "time-stamps",
             FindingId::CurrentSign => "current-sign",
@@ -125,6 +133,12 @@ impl FindingId {
             }
             FindingId::AngleFactor => {
                 "The angle's unit contradicts the motion of a pendulum, whose period grows with its amplitude; state `units`."
+            }
+            FindingId::AngleZero => {
+                "Gravity is not zero at the angle 0: the angle is counted from upright or from elsewhere; state `offset`."
+            }
+            FindingId::UnitUnstated => {
+                "Nothing states the unit of a column, and the log cannot tell it; or the column's name says another unit than the one in which it is read. State `units`."
             }
             FindingId::TimeFactor => {
                 "The time's unit contradicts the period of the pendulum or the controller's sample time; state `units`."
@@ -166,7 +180,7 @@ impl FindingId {
                 "A channel stands still while the motion goes on: the sensor or its bus had stopped."
             }
             FindingId::Wrapped => {
-                "A channel jumps from one end of its range to the other, as an angle does at 360 degrees; unwrap it before it is logged."
+                "A channel jumps from one end of its range to the other, as an angle does at 360 degrees. Jumps by a full turn are taken out when the file is read: state the unit in which a turn is one, or map the wheel's angle as such."
             }
             FindingId::Quantised => {
                 "A channel has few levels: its steps are larger than its noise."

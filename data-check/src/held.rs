@@ -4,7 +4,7 @@ use bench_files::Channel;
 use plant::Kind;
 
 use crate::finding::{Finding, FindingId};
-use crate::slips::short;
+use crate::slips::{DEGREES, short};
 use crate::view::{View, median, range};
 
 /// Share of the body's speed that the sensor of a locked wheel may show through cross-coupling. A free
@@ -98,7 +98,16 @@ fn clamped(view: &View, out: &mut Vec<Finding>) {
             if way <= PLAY_RAD.max(10.0 * identify::noise_std(angle)) {
                 return;
             }
-            (format!("by {} rad", short(way)), way > CLAMPED_RAD)
+            // The play of a vice, read from degrees, is some tenths of a radian.
+            let or_degrees = if way / DEGREES <= PLAY_RAD {
+                ", or by so many degrees, if the unit is not stated,"
+            } else {
+                ""
+            };
+            (
+                format!("by {} rad{or_degrees}", short(way)),
+                way > CLAMPED_RAD,
+            )
         }
         (None, Some(rate)) => {
             let speed = usual_range(rate).unwrap_or(0.0);

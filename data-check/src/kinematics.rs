@@ -7,6 +7,7 @@ use plant::Kind;
 
 use crate::finding::{Finding, FindingId};
 use crate::slips::{DEGREES, RPM, short, slip};
+use crate::units::Settled;
 use crate::view::{View, largest, median, range};
 
 /// Correlation of rate and derivative above which their ratio is known within 5 % (Frisch's bounds, see
@@ -26,15 +27,61 @@ const USUAL_DELAY: usize = 2;
 /// Largest delay, in samples, that is tried.
 const MOST_LATE: isize = 20;
 
-/// All checks of angle and rate against each other.
-pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
-    if same_columns(view, out) || view.kind() == Kind::SpinUp {
-        return;
+/// Checks whether the columns are those of their channels: no column twice, none in another's place. Returns whether a
+/// finding says that they are not; then no other comparison means anything.
+pub(crate) fn columns(view: &View, out: &mut Vec<Finding>) -> bool {
+    if same_columns(view, out) {
+        return true;
     }
+    let (Some(angle), Some(rate)) = (view.samples(Channel::Angle), view.samples(Channel::Rate))
+    else {
+        return false;
+    };
+    if view.kind() == Kind::SpinUp || is_derivative(view, angle, rate) {
+        return false;
+    }
+    let speed = view.samples(Channel::WheelSpeed);
+    let (sentence, other) = if is_derivative(view, rate, angle) {
+        (
+            "the angle is the derivative of the rate: the two columns are swapped",
+            "angle",
+        )
+    } else if speed.is_some_and(|speed| is_derivative(view, angle, speed)) {
+        (
+            "the wheel's speed is the derivative of the body's angle, and the rate is not: the two columns are swapped",
+            "wheel_speed",
+        )
+    } else {
+        return false;
+    };
+    out.push(
+        Finding::refusal(FindingId::RateFactor, sentence)
+            .in_experiment(view.name())
+            .with_channel("rate")
+            .with_fix(format!(
+                "columns = {{ {other} = …, rate = … }}, each with the other's column"
+            )),
+    );
+    true
+}
+
+/// Whether `samples` are the derivative of `of`, within the errors of a sensor.
+fn is_derivative(view: &View, of: &[f64], samples: &[f64]) -> bool {
+    view.ratio_to_derivative(of, samples)
+        .is_some_and(|(found, _)| {
+            found.correlation > CLEAR && (found.factor - 1.0).abs() < SCALE_ERROR
+        })
+}
+
+/// All checks of angle and rate against each other, of a log whose columns are in their places.
+pub(crate) fn check(view: &View, settled: &mut Settled, out: &mut Vec<Finding>) {
     let (Some(angle), Some(rate)) = (view.samples(Channel::Angle), view.samples(Channel::Rate))
     else {
         return;
     };
+    if view.kind() == Kind::SpinUp {
+        return;
+    }
     let Some((found, length_s)) = view.ratio_to_derivative(angle, rate) else {
         return;
     };
@@ -79,6 +126,22 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
         short(found.factor)
     );
     match slip(found.factor) {
+        _ if view.counts_lines() && found.factor > 1.0 + SCALE_ERROR => {
+            let step = short(1.0 / found.factor);
+            out.push(
+                Finding::refusal(
+                    FindingId::TimeFactor,
+                    format!(
+                        "{stated}: the time counts the lines, and {step} s lie between two of them"
+                    ),
+                )
+                .in_experiment(view.name())
+                .with_channel("time")
+                .with_fix(format!(
+                    "time_step = {step} in the place of the time's column"
+                )),
+            );
+        }
         Some(factor) => {
             let (likely, fix) = reading(factor, angle);
             out.push(
@@ -95,7 +158,20 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
                     short(1.0 / found.factor)
                 )),
         ),
-        None => {}
+        // The two have one unit: what tells that of one tells that of the other.
+        None => {
+            let unstated = |channel: Channel| {
+                let mut unstated = view.experiment.report.unstated.iter();
+                unstated.any(|one| one.channel == channel)
+            };
+            let one = [Channel::Angle, Channel::Rate]
+                .into_iter()
+                .any(|channel| settled.has(view, channel) || !unstated(channel));
+            if one {
+                settled.add(view, Channel::Angle);
+                settled.add(view, Channel::Rate);
+            }
+        }
     }
 }
 

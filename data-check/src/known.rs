@@ -21,8 +21,14 @@ pub(crate) fn check(bench: &Bench, out: &mut Vec<Finding>) {
     if let Some(gravity) = known.gravity
         && !GRAVITY.contains(&gravity)
     {
+        let is_elsewhere = (GRAVITY.start / SURELY..GRAVITY.end * SURELY).contains(&gravity);
+        let make = if is_elsewhere {
+            Finding::warning
+        } else {
+            Finding::refusal
+        };
         out.push(
-            Finding::warning(
+            make(
                 FindingId::KnownRange,
                 format!(
                     "gravity = {} m/s² is not the gravity of Earth's surface",

@@ -8,6 +8,7 @@ use plant::Kind;
 use crate::finding::{Finding, FindingId};
 use crate::regression::{LeastSquares, least_squares};
 use crate::slips::{short, slip};
+use crate::units::Settled;
 use crate::view::View;
 
 /// Share of the current's variance that a linear law of the logged states must explain before it is
@@ -29,7 +30,7 @@ const NAMES: [(&str, Channel); 3] = [
     ("wheel_speed", Channel::WheelSpeed),
 ];
 
-pub(crate) fn check(bench: &Bench, view: &View, out: &mut Vec<Finding>) {
+pub(crate) fn check(bench: &Bench, view: &View, settled: &mut Settled, out: &mut Vec<Finding>) {
     let (Some(controller), Kind::Balance) = (bench.controller, view.kind()) else {
         return;
     };
@@ -103,7 +104,7 @@ pub(crate) fn check(bench: &Bench, view: &View, out: &mut Vec<Finding>) {
         );
         return;
     }
-    for (k, (channel, _)) in NAMES.iter().enumerate() {
+    for (k, (channel, of)) in NAMES.iter().enumerate() {
         let Some(ratio) = ratios[k] else { continue };
         if let Some(factor) = slips[k] {
             // If a state is read too large, its gain comes out too small.
@@ -138,6 +139,10 @@ pub(crate) fn check(bench: &Bench, view: &View, out: &mut Vec<Finding>) {
                 .with_factor(ratio)
                 .with_fix("state the gains under [controller] that ran while the log was taken"),
             );
+        } else {
+            // A wrong unit of the current would show in all gains alike.
+            settled.add(view, *of);
+            settled.add(view, Channel::Current);
         }
     }
 }

@@ -12,10 +12,14 @@
 //! | `kinematics` | the rate with the derivative of the angle; columns with each other |
 //! | `swing` | a free swing with a pendulum: period, amplitude, standstill, energy |
 //! | `wheel` | the wheel with its current, with other logs, with what motors can do |
-//! | `momentum` | the wheel with the body |
+//! | `momentum`, `body` | a body that is free with gravity, wheel and current |
+//! | `spin_up_measure` | a free wheel with the wheel of the spin-ups |
+//! | `sawtooth` | a channel that starts again from the other end of its range |
+//! | `units` | units that nothing states |
 //! | `law` | the current of a balance log with the stated gains |
 //! | `held` | joints that the experiment holds still |
 //! | `propose` | (for files without a bench.toml) proposes columns, units, signs, kinds and windows |
+//! | `constant` | channels that never change |
 //! | `channels`, `copies`, `known` | each channel and the time stamps; logs with each other; `[known]` |
 //!
 //! A finding refuses the data only if they would give a wrong model and have no other explanation: a factor
@@ -24,7 +28,9 @@
 
 #![warn(missing_docs)]
 
+mod body;
 mod channels;
+mod constant;
 mod copies;
 mod finding;
 mod held;
@@ -34,8 +40,11 @@ mod law;
 mod momentum;
 mod propose;
 mod regression;
+mod sawtooth;
 mod slips;
+mod spin_up_measure;
 mod swing;
+mod units;
 mod view;
 mod wheel;
 
@@ -48,30 +57,79 @@ pub use propose::{
     units_of,
 };
 
+use units::Settled;
 use view::{Facts, View};
 
 /// All findings for the data of a bench: refusals first, then in the order of its experiments.
 pub fn check(bench: &Bench) -> Vec<Finding> {
+    // The experiments are checked side by side; the findings keep the order of the experiments.
     let views: Vec<View> = bench.experiments.par_iter().map(View::new).collect();
-    let facts = Facts::of(bench, &views);
     let mut found = vec![];
     known::check(bench, &mut found);
-    // The experiments are checked side by side; the findings keep the experiments' order.
+    // What is out of scale is no measure for anything else.
+    let mut facts = match found.iter().any(is_refusal) {
+        true => Facts::default(),
+        false => Facts::of(bench, &views),
+    };
     found.par_extend(views.par_iter().flat_map_iter(|view| {
-        let mut found = vec![];
-        channels::check(view, &mut found);
-        held::check(view, &mut found);
-        swing::check(view, &mut found);
-        kinematics::check(view, &mut found);
-        momentum::check(view, &mut found);
-        law::check(bench, view, &mut found);
-        found
+        let mut of_view = vec![];
+        if !constant::check(view, &mut of_view) {
+            channels::check(view, &mut of_view);
+        }
+        held::check(view, &mut of_view);
+        of_view
     }));
-    wheel::check(bench, &views, &facts, &mut found);
+    let is_wrapped = |view: &View| {
+        let mut of_view = found.iter().filter(|finding| is_about(finding, view));
+        of_view.any(|finding| finding.finding == FindingId::Wrapped && is_refusal(finding))
+    };
+    let sound: Vec<&View> = views.iter().filter(|view| !is_wrapped(view)).collect();
+    let answers = wheel::answers(&sound);
+    let mut of_wheel = vec![];
+    wheel::check(bench, &sound, &answers, &facts, &mut of_wheel);
+    if of_wheel.is_empty() {
+        facts.wheel_share = spin_up_measure::wheel_share(bench, &answers, &facts);
+        spin_up_measure::current(&answers, &facts, &mut of_wheel);
+    }
+    let mut settled = Settled::default();
+    if of_wheel.is_empty() && bench.known.wheel_inertia.is_some() {
+        spin_up_measure::settle(&answers, &facts, &mut settled);
+    }
+    // What is settled is settled for one experiment, so that the order of the experiments does not matter.
+    let of_motion: Vec<(Vec<Finding>, Settled)> = views
+        .par_iter()
+        .map(|view| {
+            let (mut of_view, mut settled) = (vec![], settled.clone());
+            if !kinematics::columns(view, &mut of_view) {
+                swing::check(view, &mut settled, &mut of_view);
+                momentum::check(view, &facts, &mut settled, &mut of_view);
+                kinematics::check(view, &mut settled, &mut of_view);
+                law::check(bench, view, &mut settled, &mut of_view);
+            }
+            (of_view, settled)
+        })
+        .collect();
+    for (of_view, of_settled) in of_motion {
+        found.extend(of_view);
+        settled.join(of_settled);
+    }
+    found.append(&mut of_wheel);
+    for view in &views {
+        units::check(view, &settled, &mut found);
+    }
     copies::check(&views, &mut found);
     let mut found = accepted(bench, found);
-    found.sort_by_key(|finding| finding.severity);
+    let place = |finding: &Finding| views.iter().position(|view| is_about(finding, view));
+    found.sort_by_key(|finding| (finding.severity, place(finding)));
     found
+}
+
+fn is_refusal(finding: &Finding) -> bool {
+    finding.severity == Severity::Refuse
+}
+
+fn is_about(finding: &Finding, view: &View) -> bool {
+    finding.experiment.as_deref() == Some(view.name())
 }
 
 /// The findings that remain after those that the experiments accept. A finding that concerns the whole bench is

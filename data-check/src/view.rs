@@ -19,6 +19,8 @@ pub(crate) struct View<'b> {
 pub(crate) const PERIODS_S: std::ops::Range<f64> = 0.1..16.0;
 /// Smallest number of points for a line through two series.
 const FEWEST_POINTS: usize = 8;
+/// Fewest lines that are counted: so few could be seconds of a short look at a bench.
+const FEWEST_LINES: usize = 40;
 /// Smallest number of samples under a bump; `identify` uses no shorter ones.
 const SHORTEST_BUMP: usize = 12;
 
@@ -39,6 +41,12 @@ impl<'b> View<'b> {
 
     pub fn kind(&self) -> Kind {
         self.experiment.kind
+    }
+
+    /// Whether the times are consecutive whole numbers: of lines, perhaps, and not of seconds.
+    pub fn counts_lines(&self) -> bool {
+        let time_s = &self.experiment.log.time_s;
+        time_s.len() >= FEWEST_LINES && time_s.windows(2).all(|pair| pair[1] - pair[0] == 1.0)
     }
 
     /// The samples of a channel that this kind of experiment uses.
@@ -94,6 +102,8 @@ pub(crate) struct Facts {
     pub gravity_over_inertia: Option<f64>,
     /// k² m_w + l² m_b, kg m²: the part of the inertia that masses and lengths give.
     pub steiner_kg_m2: Option<f64>,
+    /// The wheel's share of the total inertia, j_w/Θ, where `[known]` or spin-ups without a fault say it.
+    pub wheel_share: Option<f64>,
 }
 
 impl Facts {
@@ -114,6 +124,7 @@ impl Facts {
                 [Some(wheel), Some(body)] => Some(wheel + body),
                 _ => None,
             },
+            wheel_share: None,
         }
     }
 
@@ -136,9 +147,16 @@ pub(crate) fn scaled_decay(view: &View) -> Option<(FreeDecay, f64)> {
             let scale = (0.5 * (high - low)).max(1.0);
             (scale, Some(angle.iter().map(|x| x / scale).collect()))
         }
-        None => (1.0, None),
+        None => (travel(&log.time_s, log.rate_rad_s.as_deref()?), None),
     };
-    let outputs = [angle, log.rate_rad_s.clone(), None];
+    let rate = match &angle {
+        Some(_) => log.rate_rad_s.clone(),
+        None => log
+            .rate_rad_s
+            .as_ref()
+            .map(|rate| rate.iter().map(|x| x / scale).collect()),
+    };
+    let outputs = [angle, rate, None];
     let record = Record::new(
         "",
         Kind::FreeSwing,
@@ -150,11 +168,30 @@ pub(crate) fn scaled_decay(view: &View) -> Option<(FreeDecay, f64)> {
     Some((identify::decay(&record)?, scale))
 }
 
+/// Half of the range of the integral of a rate about its median, at least 1.
+fn travel(time_s: &[f64], rate: &[f64]) -> f64 {
+    let middle = median(rate.to_vec()).unwrap_or(0.0);
+    let mut angle = 0.0;
+    let angles: Vec<f64> = (1..rate.len())
+        .map(|k| {
+            let step = (rate[k] - middle) * (time_s[k] - time_s[k - 1]);
+            angle += if step.is_finite() { step } else { 0.0 };
+            angle
+        })
+        .collect();
+    range(&angles).map_or(1.0, |(low, high)| (0.5 * (high - low)).max(1.0))
+}
+
 /// The period of a free swing, s, if a bench can have such a period.
 fn period_s(view: &View) -> Option<f64> {
     let (decay, _) = scaled_decay(view)?;
     let periods = decay.periods.iter().map(|period| period.value).collect();
     median(periods).filter(|period| PERIODS_S.contains(period))
+}
+
+/// A channel as sentences name it.
+pub(crate) fn spoken(channel: Channel) -> String {
+    channel.key().replace('_', " ")
 }
 
 /// The median of the finite values; `None` if there is none.

@@ -31,10 +31,14 @@ pub(crate) const SHARE_OF_INERTIA: std::ops::Range<f64> = 0.005..0.5;
 /// Typical share for wheels that were built for the purpose; used only to choose between two possible units.
 const USUAL_SHARE: f64 = 0.06;
 
-/// The response of a wheel to its current: acceleration per ampere, 1/s² A⁻¹, and its standard error.
+/// The response of a wheel to its current.
 pub(crate) struct Answer {
-    per_ampere: f64,
+    /// Acceleration per ampere, 1/s² A⁻¹.
+    pub per_ampere: f64,
 }
+
+/// The responses in all logs that show one, with their fits.
+pub(crate) type Answers<'v> = Vec<(&'v View<'v>, Answer, LeastSquares)>;
 
 /// The response in one log; `None` if the log does not show it.
 fn answer(view: &View) -> Option<(Answer, LeastSquares)> {
@@ -65,17 +69,26 @@ fn answer(view: &View) -> Option<(Answer, LeastSquares)> {
     })
 }
 
-pub(crate) fn check(bench: &Bench, views: &[View], facts: &Facts, out: &mut Vec<Finding>) {
-    let answers: Vec<(&View, Answer, LeastSquares)> = views
-        .iter()
+pub(crate) fn answers<'v>(views: &[&'v View<'v>]) -> Answers<'v> {
+    let found = views.iter().copied();
+    found
         .filter_map(|view| answer(view).map(|(answer, fit)| (view, answer, fit)))
-        .collect();
+        .collect()
+}
+
+pub(crate) fn check(
+    bench: &Bench,
+    views: &[&View],
+    answers: &Answers,
+    facts: &Facts,
+    out: &mut Vec<Finding>,
+) {
     // A sensor without a sign is wrong only where the current is negative.
     let mut against = answers
         .iter()
         .filter(|(_, answer, _)| answer.per_ampere < 0.0);
     let is_unsigned = against.all(|(view, _, _)| is_backwards(view) && is_never_negative(view));
-    for (view, answer, fit) in &answers {
+    for (view, answer, fit) in answers {
         sign(view, answer, fit, is_unsigned, out);
     }
     // Only spin-ups are free of the body's motion.
@@ -139,6 +152,10 @@ fn is_never_negative(view: &View) -> bool {
     range(speed).is_some_and(|(low, _)| low >= -10.0 * view.noise(Output::WheelSpeed))
 }
 
+/// Ratio of the accelerations per ampere of two spin-ups, in either direction, that no effect of a motor causes
+/// (judgement: a dead zone that takes nine tenths of one current leaves a tenth of its torque).
+const NO_EFFECT: f64 = 20.0;
+
 /// Checks that all spin-ups of one wheel have the same acceleration per ampere.
 fn odd_one_out(spin_ups: &[(&View, f64)], out: &mut Vec<Finding>) {
     if spin_ups.len() < 2 {
@@ -150,27 +167,52 @@ fn odd_one_out(spin_ups: &[(&View, f64)], out: &mut Vec<Finding>) {
     let agree = |answer: f64| (answer / usual).ln().abs() < 0.4;
     let agreeing = spin_ups.iter().filter(|(_, answer)| agree(*answer)).count();
     for (view, answer) in spin_ups.iter().filter(|(_, answer)| !agree(*answer)) {
-        let Some(factor) = slip(answer / usual) else {
-            continue;
-        };
-        let (channel, likely, fix) = reading(factor);
         let whom = if agreeing > 1 {
             "the other spin-ups"
         } else {
             "another spin-up"
         };
-        out.push(
-            Finding::refusal(
-                FindingId::WheelSpeedFactor,
-                format!(
-                    "the wheel accelerates {} times as much per ampere as in {whom}: {likely}",
-                    short(answer / usual)
+        let stated = format!(
+            "the wheel accelerates {} times as much per ampere as in {whom}",
+            short(answer / usual)
+        );
+        if view.counts_lines() {
+            out.push(
+                Finding::refusal(
+                    FindingId::TimeFactor,
+                    format!(
+                        "{stated}: the time counts the lines, or is in another unit than seconds"
+                    ),
+                )
+                .in_experiment(view.name())
+                .with_channel("time")
+                .with_fix(
+                    "time_step = … (seconds from line to line) in the place of the time's column",
                 ),
-            )
-            .in_experiment(view.name())
-            .with_channel(channel)
-            .with_factor(too_large(channel, factor))
-            .with_fix(fix),
+            );
+            continue;
+        }
+        let Some(factor) = slip(answer / usual) else {
+            if (answer / usual).ln().abs() > NO_EFFECT.ln() {
+                out.push(
+                    Finding::warning(
+                        FindingId::WheelSpeedFactor,
+                        format!("{stated}, and no unit explains that factor"),
+                    )
+                    .in_experiment(view.name())
+                    .with_channel("wheel_speed")
+                    .with_fix("compare time, wheel_speed and current of this file with those of the others"),
+                );
+            }
+            continue;
+        };
+        let (channel, likely, fix) = reading(factor);
+        out.push(
+            Finding::refusal(FindingId::WheelSpeedFactor, format!("{stated}: {likely}"))
+                .in_experiment(view.name())
+                .with_channel(channel)
+                .with_factor(too_large(channel, factor))
+                .with_fix(fix),
         );
     }
 }
@@ -223,7 +265,7 @@ fn reading(factor: f64) -> (&'static str, String, String) {
 /// Checks the wheel inertia from all spin-ups against its possible range.
 fn all_together(
     bench: &Bench,
-    views: &[View],
+    views: &[&View],
     spin_ups: &[(&View, f64)],
     facts: &Facts,
     out: &mut Vec<Finding>,
@@ -259,6 +301,7 @@ fn all_together(
     }
     let fastest = views
         .iter()
+        .copied()
         .filter_map(|view| Some((view, largest(view.samples(Channel::WheelSpeed)?))))
         .max_by(|a, b| a.1.total_cmp(&b.1));
     let share = inertia.and_then(|inertia| Some(inertia / facts.total_inertia()?));

@@ -396,7 +396,8 @@ pub enum Problem {
     },
     /// A line has more or fewer cells than the header.
     #[error(
-        "this line has {found} cells, but the header has {expected}; every line needs {expected}"
+        "this line has {found} cells, but the header has {expected}; every line needs {expected}{}",
+        if *found == 2 * *expected { " (decimal commas need another separator, or quotation marks about each number)" } else { "" }
     )]
     RaggedRow {
         /// Cells of the header.
@@ -414,6 +415,16 @@ pub enum Problem {
         cell: String,
         /// A further hint.
         hint: &'static str,
+    },
+    /// A cell carries a unit that the column cannot have, or that the other cells do not have.
+    #[error(
+        "\"{cell}\" is at odds with the unit of {key}: all cells of a column need one unit that this channel can have; write numbers alone, and the unit once, in units = {{ {key} = … }}"
+    )]
+    UnitInCell {
+        /// The cell, shortened.
+        cell: String,
+        /// The channel's key.
+        key: &'static str,
     },
     /// NaN or infinity.
     #[error(
@@ -509,6 +520,7 @@ impl Problem {
                 | Problem::RaggedRow { .. }
                 | Problem::EmptyCell
                 | Problem::NotANumber { .. }
+                | Problem::UnitInCell { .. }
                 | Problem::NotFinite { .. }
                 | Problem::TimeBackwards { .. }
                 | Problem::TimeTooCoarse { .. }

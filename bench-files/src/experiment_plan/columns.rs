@@ -6,9 +6,10 @@ use super::{ExperimentPlan, find};
 use crate::channel::Channel;
 use crate::csv_table::OpenTable;
 use crate::error::{Error, Names, Problem};
-use crate::log::{ColumnUse, Note};
+use crate::log::{ColumnUse, Note, UnstatedUnit};
 use crate::toml_section::Section;
 use crate::toml_source::{Located, TomlSource};
+use crate::units_in_text::unit_of_name;
 
 /// The channels that a kind of experiment uses. Other columns are not read, so that they cannot cause an error.
 pub(super) fn useful(kind: Kind) -> &'static [Channel] {
@@ -52,6 +53,24 @@ impl ExperimentPlan {
             is_news.then_some(Note::UnitFromFile { channel, unit })
         });
         found.collect()
+    }
+
+    /// The columns whose unit neither bench.toml nor the file states, so that they are taken for SI. A factor in
+    /// `scale` states what the numbers are, and a standard name its unit.
+    pub(super) fn unstated_units(&self, uses: &[ColumnUse]) -> Vec<UnstatedUnit> {
+        let unstated = uses.iter().filter(|column| {
+            column.stated_unit.is_none()
+                && column.name != column.channel.standard_name()
+                && find(&self.scales, column.channel).is_none()
+        });
+        unstated
+            .map(|column| UnstatedUnit {
+                channel: column.channel,
+                column: column.name.clone(),
+                name_says: unit_of_name(&column.name)
+                    .filter(|unit| column.channel.units().iter().any(|(name, _)| name == unit)),
+            })
+            .collect()
     }
 
     /// The column of each channel. All errors in this mapping are reported here.
@@ -145,12 +164,13 @@ impl ExperimentPlan {
                 let stated = |list| find(list, channel).map(|one: &Located<f64>| one.value);
                 let factor = |list| stated(list).unwrap_or(1.0);
                 // A unit in bench.toml takes precedence over one in the file.
-                let of_file = unit_of_file(log, channel, &name).map_or(1.0, |(_, scale)| scale);
-                let unit = stated(&self.units).unwrap_or(of_file);
+                let of_file = unit_of_file(log, channel, &name).map(|(_, scale)| scale);
+                let unit = stated(&self.units).or(of_file);
                 Some(ColumnUse {
                     channel,
                     name,
-                    scale: unit * factor(&self.scales) * factor(&self.signs),
+                    scale: unit.unwrap_or(1.0) * factor(&self.scales) * factor(&self.signs),
+                    stated_unit: unit,
                     is_beside: !used.contains(&channel),
                     offset: find(&self.offsets, channel).map_or(0.0, |offset| offset.value),
                 })

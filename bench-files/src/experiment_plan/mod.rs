@@ -153,12 +153,17 @@ impl ExperimentPlan {
         })?;
         let uses = self.column_uses(source, section, &table)?;
         let of_file = self.units_of_file(&table, &uses);
+        let unstated = self.unstated_units(&uses);
         let log::SamplesOfLog {
             log: mut samples,
             beside,
             mut report,
+            in_cells,
         } = log::read(table, &uses, self.window)?;
         report.notes.extend(of_file);
+        let unstated = unstated.into_iter();
+        let unstated = unstated.filter(|one| !in_cells.contains(&one.channel));
+        report.unstated = unstated.collect();
 
         for (channel, sign) in &self.signs {
             if sign.value.abs() != 1.0 {

@@ -10,6 +10,10 @@ use crate::error::{Error, Problem};
 use crate::log::{LoadReport, Log, Note};
 use crate::toml_section::Section;
 
+/// Range of an angle, in rad, that no free swing has about any zero (judgement: ten turns; a hand throws a body round
+/// once or twice, and degrees within one turn cover 57).
+const MOST_SWING_RAD: f64 = 10.0 * TAU;
+
 impl ExperimentPlan {
     /// Checks where the angle is counted from. Balance logs stay around the upright position, free swings around the
     /// hanging one. An angle that is counted from elsewhere would make all later results wrong.
@@ -34,6 +38,10 @@ impl ExperimentPlan {
         ) else {
             return Ok(());
         };
+        // No zero explains so wide a swing: the angle has another unit, and the data check says which.
+        if self.kind == Kind::FreeSwing && high - low > MOST_SWING_RAD {
+            return Ok(());
+        }
         let key = if find(&self.offsets, Channel::Angle).is_some() {
             "offset"
         } else {

@@ -93,10 +93,32 @@ fn is_within_a_turn(angle_rad: &[f64]) -> bool {
     high - low <= 1.01 * std::f64::consts::TAU
 }
 
+/// Largest distance of a jump from a full turn, as a share of the turn: the motion within one sample.
+const OFF_A_TURN: f64 = 0.1;
+/// Largest step between two other samples, as a share of a turn. It leaves no doubt about the way that was taken.
+const CERTAIN_STEP: f64 = 0.25;
+
+/// Whether a column jumps by full turns and otherwise moves little from sample to sample: it was read from a sensor with
+/// a range of one turn, even if it covers more (its noise, or a count of turns that lags behind).
+fn jumps_by_turns(angle_rad: &[f64]) -> bool {
+    let turns = angle_rad
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]).abs() / std::f64::consts::TAU)
+        .filter(|turns| *turns > CERTAIN_STEP);
+    let mut jumps = 0;
+    for turn in turns {
+        if (turn - 1.0).abs() > OFF_A_TURN {
+            return false;
+        }
+        jumps += 1;
+    }
+    jumps > 0
+}
+
 /// Unwraps the angle of a wheel: between two samples, the shorter way is assumed.
 fn unwrap_wheel(angle_rad: &mut [f64]) {
     use std::f64::consts::TAU;
-    if !is_within_a_turn(angle_rad) {
+    if !is_within_a_turn(angle_rad) && !jumps_by_turns(angle_rad) {
         return;
     }
     let mut turns = 0.0;
@@ -113,10 +135,10 @@ fn unwrap_wheel(angle_rad: &mut [f64]) {
 /// A jump between two samples is a wrap if it is nearer to one full turn than to zero
 /// or two turns. Half a turn within one sample is faster than any pendulum at a usable
 /// sampling rate; a drop-out from upright to zero is a jump of half a turn. A column that covers more
-/// than one turn does not come from such a sensor.
+/// than one turn comes from such a sensor only if its jumps leave no doubt.
 fn unwrap_turns(angle_rad: &mut [f64]) -> usize {
     use std::f64::consts::{PI, TAU};
-    if !is_within_a_turn(angle_rad) {
+    if !is_within_a_turn(angle_rad) && !jumps_by_turns(angle_rad) {
         return 0;
     }
     let mut turns = 0.0;

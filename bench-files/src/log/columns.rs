@@ -10,11 +10,24 @@ pub(crate) struct ColumnUse {
     pub name: String,
     /// Factor of unit and sign together.
     pub scale: f64,
+    /// The factor of the unit that bench.toml or the file's line of units states, if one does.
+    pub stated_unit: Option<f64>,
     /// Offset in SI units.
     pub offset: f64,
     /// Whether this kind of experiment holds the channel still. It is then read into the samples beside the log, and a cell
     /// that is not a number is NaN there.
     pub is_beside: bool,
+}
+
+impl ColumnUse {
+    /// The factor for numbers that have this unit in their own cell; `None` if the channel cannot have it, or another
+    /// one is stated.
+    pub fn scale_in(&self, unit: &str) -> Option<f64> {
+        let units = self.channel.units();
+        let (_, factor) = units.iter().find(|(name, _)| *name == unit)?;
+        let stated = self.stated_unit.unwrap_or(*factor);
+        (stated == *factor).then(|| self.scale / self.stated_unit.unwrap_or(1.0) * factor)
+    }
 }
 
 /// Assigns the columns to channels: the first log has the channels that the kind of experiment uses, the second those

@@ -149,6 +149,20 @@ pub struct LoadReport {
     pub rows_in_file: usize,
     /// Notes for the user.
     pub notes: Vec<Note>,
+    /// The columns that were taken for SI because nothing states their unit.
+    pub unstated: Vec<UnstatedUnit>,
+}
+
+/// A column that is taken for SI: neither bench.toml nor the file's line of units nor its cells state a unit, and its
+/// name is not the standard one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnstatedUnit {
+    /// The channel.
+    pub channel: Channel,
+    /// The column.
+    pub column: String,
+    /// The unit of this channel that the column's name ends with, as `units` in bench.toml writes it.
+    pub name_says: Option<&'static str>,
 }
 
 impl LoadReport {

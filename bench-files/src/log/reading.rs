@@ -5,6 +5,7 @@ use super::columns::{ColumnUse, by_channel};
 use super::long_log::{CHUNK_ROWS, LongLog};
 use super::note::{LoadReport, Note};
 use super::samples::Log;
+use crate::channel::Channel;
 use crate::csv_table::OpenTable;
 use crate::error::{Error, Problem, shortened};
 
@@ -33,6 +34,8 @@ pub(crate) struct SamplesOfLog {
     /// The channels that the kind holds still.
     pub beside: Log,
     pub report: LoadReport,
+    /// The channels whose cells have their unit behind their number.
+    pub in_cells: Vec<Channel>,
 }
 
 /// Reads the samples of these columns in the window (both ends included). The time must be the first column,
@@ -60,15 +63,32 @@ pub(crate) fn read(
     let mut in_last = 1.0_f64;
     let mut first_s = f64::NAN;
     let mut before_s = f64::NEG_INFINITY;
+    // Whether the cells of a column have their unit behind their number.
+    let mut has_unit: Vec<Option<bool>> = vec![None; uses.len()];
 
     let rows = table.read_rows(&names, |row| {
-        let cell = |k: usize| -> Result<f64, Error> {
+        let mut cell = |k: usize| -> Result<f64, Error> {
             let column = &uses[k];
-            let number = match row.number(k) {
-                Err(_) if column.is_beside => return Ok(f64::NAN),
-                number => number?,
+            let (number, unit) = if let Some(number) = row.plain_number(k) {
+                (number, None)
+            } else if let Some((number, unit)) = row.number_with_unit(k) {
+                (number, Some(unit))
+            } else if column.is_beside {
+                return Ok(f64::NAN);
+            } else {
+                (row.number(k)?, None)
             };
-            let value = column.scale * number + column.offset;
+            let scale = match unit {
+                Some(unit) => column.scale_in(unit),
+                None => Some(column.scale),
+            };
+            // A number without a unit among others that have one could be in any unit.
+            let is_like_the_first = *has_unit[k].get_or_insert(unit.is_some()) == unit.is_some();
+            let Some(scale) = scale.filter(|_| is_like_the_first) else {
+                let (cell, key) = (shortened(row.text(k)), column.channel.key());
+                return Err(row.error(k, Problem::UnitInCell { cell, key }));
+            };
+            let value = scale * number + column.offset;
             if value.is_finite() {
                 Ok(value)
             } else {
@@ -153,7 +173,7 @@ pub(crate) fn read(
 
     let mut report = LoadReport {
         rows_in_file: rows,
-        notes: Vec::new(),
+        ..LoadReport::default()
     };
     if merged > 0 {
         report.notes.push(Note::MergedRows { count: merged });
@@ -165,9 +185,12 @@ pub(crate) fn read(
         report.notes.extend(cleaned(&mut log, &mut beside));
         (log, beside)
     };
+    let in_cells = uses.iter().zip(has_unit);
+    let in_cells = in_cells.filter(|(_, has_unit)| *has_unit == Some(true));
     Ok(SamplesOfLog {
         log,
         beside,
         report,
+        in_cells: in_cells.map(|(column, _)| column.channel).collect(),
     })
 }

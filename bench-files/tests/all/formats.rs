@@ -54,6 +54,25 @@ fn every_dialect_gives_the_same_samples() {
     };
     let standard = text("time_s,angle_rad\n", ',', '.');
     let german = text("time_s;angle_rad\n", ';', ',');
+    let quoted = standard
+        .lines()
+        .enumerate()
+        .map(|(line, text)| match line {
+            0 => format!("{text}\n"),
+            _ => format!("\"{}\"\n", text.replace(',', "\",\"").replace('.', ",")),
+        })
+        .collect::<String>();
+    let with_units = standard
+        .lines()
+        .enumerate()
+        .map(|(line, text)| match (line, text.split_once(',')) {
+            (1.., Some((time, angle))) => {
+                let time_ms = 1e3 * time.parse::<f64>().expect("a time");
+                format!("{time_ms} ms,{angle} rad\n")
+            }
+            _ => format!("{text}\n"),
+        })
+        .collect::<String>();
     let mapped = "columns = { time = \"Zeit\", angle = \"Winkel °\" }";
     let numbered = "columns = { time = \"1\", angle = \"2\" }";
     let mut windows = text("Zeit;Winkel \u{b0}\n", ';', ',').into_bytes();
@@ -104,6 +123,15 @@ fn every_dialect_gives_the_same_samples() {
             "units",
             "",
             text("time_s,angle_rad\n[s],[rad]\n", ',', '.').into_bytes(),
+        ),
+        ("decimal commas in quotation marks", "", quoted.into_bytes()),
+        ("units in the cells", "", with_units.into_bytes()),
+        (
+            "line ends of an old Macintosh",
+            "",
+            text("A title\ntime_s,angle_rad\n", ',', '.')
+                .replace('\n', "\r")
+                .into_bytes(),
         ),
         ("no header", numbered, text("", ',', '.').into_bytes()),
         (
@@ -232,4 +260,67 @@ fn what_a_kind_holds_still_is_read_beside_it() {
         .expect("beside");
     assert_eq!(beside[2], 2.0);
     assert!(beside[3].is_nan());
+}
+
+/// What can be read in two ways, or contradicts what is stated, is refused with its place and the cause.
+#[test]
+fn cells_that_leave_a_doubt_are_refused() {
+    let rows = |cells: &str| format!("time_s,angle_rad\n0,0\n1,0.5\n2,0\n3,{cells}\n4,0\n5,0.5\n");
+    for (more, log, parts) in [
+        (
+            "",
+            rows("\"1,234\""),
+            &["log.csv:5", "angle_rad", "1.234", "1234"][..],
+        ),
+        (
+            "",
+            rows("\"0,123\""),
+            &["log.csv:5", "angle_rad", "a point, not a comma"],
+        ),
+        (
+            "",
+            rows("3 deg"),
+            &["log.csv:5", "angle_rad", "3 deg", "one unit"],
+        ),
+        ("", rows("12:30:05"), &["log.csv:5", "time of day"]),
+        (
+            "units = { angle = \"mrad\" }",
+            "time_s,angle_rad\n0,0 deg\n1,1 deg\n2,0 deg\n3,1 deg\n4,0 deg\n".to_owned(),
+            &["log.csv:2", "0 deg"],
+        ),
+        (
+            "",
+            "time_s,angle_rad\n0,0,0,5\n0,5,0,25\n1,0,0,5\n1,5,0,25\n2,0,0,5\n".to_owned(),
+            &["log.csv:2", "decimal commas"],
+        ),
+    ] {
+        let error = load(more, log.as_bytes()).expect_err(&log);
+        for part in parts {
+            assert!(error.contains(part), "{part} is not in: {error}");
+        }
+    }
+}
+
+/// An angle that its sensor wraps is unwrapped even where its noise makes the range larger than a turn.
+#[test]
+fn a_wrapped_angle_with_noise_is_unwrapped() {
+    let mut log = "time_s,angle_rad\n".to_owned();
+    let truth = |row: u32| {
+        0.4 * f64::from(row).mul_add(0.1, 0.3).sin() + 6.0 * (0.02 * f64::from(row)).sin()
+    };
+    for row in 0..200 {
+        let turn = std::f64::consts::TAU;
+        let noise = 0.1 * (f64::from(row * 7 % 5) - 2.0);
+        let angle = truth(row).rem_euclid(turn) + noise;
+        log.push_str(&format!("{},{angle}\n", 0.01 * f64::from(row)));
+    }
+    let folder = Folder::bench(&one("driven", "constants = { current = 0.0 }"), &log);
+    let bench = Bench::load(folder.path()).unwrap_or_else(|error| panic!("{error}"));
+    let angle = bench.experiments[0]
+        .log
+        .angle_rad
+        .as_ref()
+        .expect("an angle");
+    let steps = angle.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    assert!(steps.fold(0.0, f64::max) < 1.0, "{angle:?}");
 }

@@ -1,6 +1,6 @@
 //! The channel of each column, from its name, its unit and its values.
 
-use bench_files::{Channel, Table, plain_unit};
+use bench_files::{Channel, Table, unit_of_name};
 
 /// The proposal for one channel.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,50 +13,6 @@ pub(super) struct Mapped {
     pub unit: Option<&'static str>,
     /// The reason.
     pub reason: String,
-}
-
-/// Endings of column names that state a unit, longest first.
-const ENDINGS: [(&str, &str); 22] = [
-    ("_mrad_s", "mrad/s"),
-    ("_rad_s", "rad/s"),
-    ("_deg_s", "deg/s"),
-    ("_rad_per_s", "rad/s"),
-    ("_deg_per_s", "deg/s"),
-    ("_rads", "rad/s"),
-    ("_dps", "deg/s"),
-    ("_rpm", "rpm"),
-    ("_rev_s", "rev/s"),
-    ("_rps", "rev/s"),
-    ("_mrad", "mrad"),
-    ("_rad", "rad"),
-    ("_deg", "deg"),
-    ("_turns", "rev"),
-    ("_revs", "rev"),
-    ("_rev", "rev"),
-    ("_ms", "ms"),
-    ("_us", "us"),
-    ("_ns", "ns"),
-    ("_ma", "mA"),
-    ("_s", "s"),
-    ("_a", "A"),
-];
-
-/// The unit in a column's name: in brackets, as an ending, or as the whole name.
-pub(super) fn unit_of_name(name: &str) -> Option<&'static str> {
-    for (open, close) in [('[', ']'), ('(', ')')] {
-        if let (Some(from), Some(to)) = (name.find(open), name.rfind(close))
-            && from < to
-            && let Some(unit) = plain_unit(&name[from..=to])
-        {
-            return Some(unit);
-        }
-    }
-    if name.eq_ignore_ascii_case("rpm") {
-        return Some("rpm");
-    }
-    let lower = name.to_lowercase().replace([' ', '-', '/'], "_");
-    let ending = ENDINGS.iter().find(|(ending, _)| lower.ends_with(ending));
-    ending.map(|(_, unit)| *unit)
 }
 
 /// The physical quantity of a unit.
@@ -80,8 +36,9 @@ fn quantity(unit: &str) -> Quantity {
 const WHEEL: [&str; 8] = [
     "wheel", "rpm", "motor", "phi", "rotor", "rad_s_w", "schwung", "drehzahl",
 ];
-const RATE: [&str; 10] = [
+const RATE: [&str; 11] = [
     "gyro",
+    "geschw",
     "rate",
     "dtheta",
     "dalpha",
@@ -115,7 +72,7 @@ fn named(name: &str, unit: Option<&str>) -> Option<Channel> {
         Some(Quantity::Speed) if has(&RATE) || has(&ANGLE) => Some(Channel::Rate),
         Some(Quantity::Speed) => Some(Channel::WheelSpeed),
         None if lower == "t" || has(&TIME) => Some(Channel::Time),
-        None if has(&CURRENT) || lower == "i" => Some(Channel::Current),
+        None if has(&CURRENT) || ["i", "cur"].contains(&lower.as_str()) => Some(Channel::Current),
         None if of_wheel && has(&TURNED) => Some(Channel::WheelAngle),
         None if of_wheel => Some(Channel::WheelSpeed),
         None if has(&RATE) => Some(Channel::Rate),

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use bench_files::{Channel, Table};
 use plant::Kind;
 
-use super::columns::Mapped;
+use super::columns::{Mapped, is_index};
 use crate::regression::least_squares;
 use crate::slips::short;
 use crate::view::{median, range};
@@ -67,6 +67,8 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
         guess.reason = "the file has the wheel and not the body".to_owned();
         if current.is_none() {
             guess.questions.push(HELD_AT_WHAT.to_owned());
+            let of_column = command(table).or_else(|| which_current(table, mapped));
+            guess.questions.extend(of_column);
         }
         return guess;
     }
@@ -133,6 +135,14 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
                 short(usual)
             ));
         }
+    } else if let Some(question) = command(table) {
+        guess.questions.push(question);
+    } else if let Some(question) = which_current(table, mapped) {
+        guess.questions.push(question);
+    } else if guess.kind == Kind::Balance {
+        guess.questions.push(
+            "a body does not balance without a current: columns = { current = … }".to_owned(),
+        );
     } else {
         guess.held_current_a = Some((
             0.0,
@@ -140,6 +150,45 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
         ));
     }
     guess
+}
+
+/// What to decide where no name says which column is the current: a driven wheel without one is most unlikely.
+fn which_current(table: &Table, mapped: &[Mapped]) -> Option<String> {
+    let is_free = |index: &usize| {
+        let values = &table.columns[*index];
+        let changes = range(values).is_some_and(|(low, high)| low < high);
+        changes && !is_index(values) && !mapped.iter().any(|one| one.index == *index)
+    };
+    let free = (0..table.names.len()).filter(is_free);
+    let names: Vec<String> = free
+        .map(|index| format!("\"{}\"", table.names[index]))
+        .collect();
+    let (first, more) = names.split_first()?;
+    let names = match more {
+        [] => first.clone(),
+        _ => format!("one of {first}, {}", more.join(", ")),
+    };
+    Some(format!(
+        "no column is the current by its name: is it {names} (columns = {{ current = … }}), or was the motor off \
+         (constants = {{ current = 0.0 }})?"
+    ))
+}
+
+/// Parts of names of a motor's command that is no current.
+const COMMANDS: [&str; 6] = ["pwm", "duty", "volt", "throttle", "cmd", "command"];
+
+/// What to decide about a column that may be the motor's command without being a current.
+fn command(table: &Table) -> Option<String> {
+    let is_command = |name: &&String| {
+        let lower = name.to_lowercase();
+        COMMANDS.iter().any(|part| lower.contains(part))
+    };
+    let name = table.names.iter().find(is_command)?;
+    Some(format!(
+        "column \"{name}\" may be the motor's command and is no current: columns = {{ current = \"{name}\" }} with units = \
+         {{ current = \"1\" }} takes it as a command without unit (a drive that sets voltage then shows as wheel friction); \
+         or state the current that was held, constants = {{ current = … }}"
+    ))
 }
 
 /// An angle in rad without the jumps of a sensor that starts again after a turn: between two samples the shorter way is

@@ -9,6 +9,7 @@ mod columns;
 mod kind;
 mod text;
 
+use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use bench_files::{Bench, Channel, Error, FilesInMemory, Table};
@@ -331,6 +332,22 @@ fn mend_one(draft: &mut Draft, finding: &Finding) -> bool {
     if finding.severity != Severity::Refuse {
         return false;
     }
+    if finding.finding == FindingId::AngleZero {
+        let offset = finding.fix.strip_prefix("offset = { angle = ");
+        let offset = offset.and_then(|text| text.split(" }").next()?.parse::<f64>().ok());
+        let Some(offset) = offset.filter(|_| draft.offset_rad.is_none()) else {
+            return false;
+        };
+        draft.offset_rad = Some((offset, finding.sentence.clone()));
+        if finding.fix.contains("kind = \"driven\"") {
+            draft.kind = Kind::Driven;
+            draft.kind_reason = finding.sentence.clone();
+        }
+        return true;
+    }
+    if finding.finding == FindingId::Wrapped {
+        return mend_wrapped(draft, finding);
+    }
     if finding.finding == FindingId::WheelTurns || finding.finding == FindingId::BodyMoves {
         draft.kind = Kind::Driven;
         draft.kind_reason = finding.sentence.clone();
@@ -368,6 +385,10 @@ fn mend_one(draft: &mut Draft, finding: &Finding) -> bool {
         (Channel::Time, "ms")
     } else if is(1e3) && channel == Channel::Angle {
         (Channel::Angle, "mrad")
+    } else if is(1.0 / TAU) && channel == Channel::Angle {
+        (Channel::Angle, "rev")
+    } else if is(1.0 / TAU) {
+        (channel, "rev/s")
     } else if is(1e3) && channel == Channel::Current {
         (Channel::Current, "mA")
     } else if is(1e6) {
@@ -390,6 +411,48 @@ fn mend_one(draft: &mut Draft, finding: &Finding) -> bool {
     mapped.unit = Some(unit);
     mapped.reason = finding.sentence.clone();
     true
+}
+
+/// A sensor that starts again after a turn shows an angle, in the unit in which its range is one.
+fn mend_wrapped(draft: &mut Draft, finding: &Finding) -> bool {
+    let (Some(turns), Some(channel)) = (
+        finding.factor,
+        finding.channel.as_deref().and_then(Channel::from_key),
+    ) else {
+        return false;
+    };
+    let is = |size: f64| (turns / size - 1.0).abs() < 0.03;
+    let unit = [
+        (1.0, "rad"),
+        (DEGREES, "deg"),
+        (1.0 / TAU, "rev"),
+        (1e3, "mrad"),
+    ]
+    .into_iter()
+    .find(|(size, _)| is(*size))
+    .map(|(_, unit)| unit);
+    let has_angle = draft
+        .mapped
+        .iter()
+        .any(|one| one.channel == Channel::WheelAngle);
+    let Some(mapped) = draft.mapped.iter_mut().find(|one| one.channel == channel) else {
+        return false;
+    };
+    let Some(unit) = unit else {
+        // Counts: only the user knows how many are a turn.
+        let question = format!("{}: {}", finding.sentence, finding.fix);
+        if !draft.questions.contains(&question) {
+            draft.questions.push(question);
+        }
+        return false;
+    };
+    let before = (mapped.channel, mapped.unit);
+    if channel == Channel::WheelSpeed && !has_angle {
+        mapped.channel = Channel::WheelAngle;
+    }
+    mapped.unit = Some(unit);
+    mapped.reason = finding.sentence.clone();
+    before != (mapped.channel, mapped.unit)
 }
 
 impl Draft {

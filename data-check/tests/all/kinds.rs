@@ -98,10 +98,10 @@ fn an_angle_that_starts_again_after_360_is_in_degrees() {
     assert_eq!(told, [("time", Some("s")), ("angle", Some("deg"))]);
 }
 
-/// What turns of a wheel are called is its angle, and no speed.
+/// What turns of a wheel are called is its angle, and no speed. A sensor that starts again after 1 counts turns.
 #[test]
 fn turns_of_a_wheel_are_its_angle() {
-    for (name, unit) in [("wheel_rev", Some("rev")), ("wheel_pos", None)] {
+    for (name, unit) in [("wheel_rev", Some("rev")), ("wheel_pos", Some("rev"))] {
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("log.csv");
         let mut text = format!("time_s,{name},current_A\n");

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use bench_files::{Bench, FilesInMemory};
+use bench_files::{Bench, Error, FilesInMemory};
 use plant::{Current, EffectId, Hold, Input, Kind, Model, Plant, State};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -276,6 +276,12 @@ impl Numbers {
 
     /// As [`Numbers::bench`], with more lines under `[known]`.
     pub fn bench_with(&self, logs: &[Log], known: &str) -> Bench {
+        let bench = self.try_bench_with(logs, known);
+        bench.unwrap_or_else(|error| panic!("seed {}: {error}", self.seed))
+    }
+
+    /// As [`Numbers::bench_with`], for logs that the reader itself may refuse.
+    pub fn try_bench_with(&self, logs: &[Log], known: &str) -> Result<Bench, Error> {
         let mut files = FilesInMemory::default();
         let [k1, k2, k3] = self.gains;
         let mut toml = format!(
@@ -303,6 +309,6 @@ impl Numbers {
             files.insert(format!("{name}.csv"), text);
         }
         files.insert("bench.toml", toml);
-        Bench::from_files(&files).unwrap_or_else(|error| panic!("seed {}: {error}", self.seed))
+        Bench::from_files(&files)
     }
 }
