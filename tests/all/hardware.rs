@@ -103,7 +103,7 @@ fn another_timer_than_that_of_the_preset_is_refused() {
     let (_, error, code) = generate(folder.path(), &model, &PRESET);
     assert_eq!(code, Some(2), "{error}");
     assert!(
-        error.contains("another timer") && error.contains("duty_low"),
+        error.contains("the timer is another one") && error.contains("duty_low"),
         "{error}"
     );
 }

@@ -338,7 +338,7 @@ fn what_cannot_be_recorded_is_one_message() {
     );
     refused(
         &record(&["--experiment", "spin-up", "--current", "50"]),
-        "a current of 50 A: it must lie within ±2.2",
+        "a current of 50 A cannot be driven; state a current within ±2.2 A",
     );
     refused(
         &record(&["--experiment", "free-swing", "--current", "0.1"]),
