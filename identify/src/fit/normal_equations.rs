@@ -79,11 +79,65 @@ fn damped(matrix: &mut DMatrix<f64>, damping: f64) {
     }
 }
 
+/// The damping of a step (Marquardt): each unknown is held by this share of its own information.
+///
+/// Where the scale of the torques is hardly known, the logs determine the ratios of the torques to an inertia many
+/// orders better than the inertia itself. An inertia held by its information at *fixed torques* could then not move
+/// along equal ratios. Therefore the ratios are damped beside the inertia at *fixed ratios*.
+pub(super) struct Damping<'a> {
+    /// The share; zero for none.
+    pub(super) share: f64,
+    /// For each free parameter that is a torque: the free parameter that is its inertia, and the change of the torque
+    /// that keeps their ratio while the inertia changes by one, both in the fit's coordinates.
+    pub(super) ratios: &'a [Option<(usize, f64)>],
+}
+
+/// No damping.
+pub(super) const UNDAMPED: Damping<'static> = Damping {
+    share: 0.0,
+    ratios: &[],
+};
+
+/// Smallest damping of an inertia, relative to its information at fixed torques: where the logs tell nothing of the
+/// scale, rounding would decide.
+const LEAST_OF_SCALE: f64 = 1e-10;
+
+impl Damping<'_> {
+    /// Adds the damping to `matrix` (all free parameters), from the information `own` of one window about the free
+    /// parameters `globals`.
+    fn add(&self, own: &DMatrix<f64>, globals: &[usize], matrix: &mut DMatrix<f64>) {
+        if self.share == 0.0 {
+            return;
+        }
+        // The change of every torque when an inertia changes at fixed ratios.
+        let mut along: Vec<DVector<f64>> = (0..globals.len())
+            .map(|row| DVector::from_fn(globals.len(), |other, _| f64::from(row == other)))
+            .collect();
+        for (row, &global) in globals.iter().enumerate() {
+            let Some(&Some((inertia, change))) = self.ratios.get(global) else {
+                continue;
+            };
+            let diagonal = self.share * own[(row, row)];
+            if let Some(at) = globals.iter().position(|&global| global == inertia) {
+                along[at][row] = change;
+                matrix[(global, inertia)] -= change * diagonal;
+                matrix[(inertia, global)] -= change * diagonal;
+                matrix[(inertia, inertia)] += change * change * diagonal;
+            }
+        }
+        for (row, &global) in globals.iter().enumerate() {
+            let at_fixed_ratios = along[row].dot(&(own * &along[row]));
+            let least = LEAST_OF_SCALE * own[(row, row)];
+            matrix[(global, global)] += self.share * at_fixed_ratios.max(least);
+        }
+    }
+}
+
 pub(super) fn reduce(
     assembled: &Assembled,
     globals: &[Vec<usize>],
     count: usize,
-    damping: f64,
+    damping: &Damping,
 ) -> Reduced {
     let mut whole = Reduced {
         matrix: DMatrix::zeros(count, count),
@@ -110,7 +164,7 @@ pub(super) fn reduce_record(
     list: &[WindowNormal],
     globals: &[usize],
     count: usize,
-    damping: f64,
+    damping: &Damping,
 ) -> ReducedRecord {
     let mut matrix = DMatrix::zeros(count, count);
     let mut gradient = DVector::zeros(count);
@@ -121,7 +175,7 @@ pub(super) fn reduce_record(
         let mut own = normal.hessian.view((p, p), (l, l)).into_owned();
         // A tiny relative damping: a window whose few samples do not determine all its nuisance parameters would
         // otherwise make the whole system singular.
-        damped(&mut own, damping.max(1e-10));
+        damped(&mut own, damping.share.max(1e-10));
         let coupling = normal.hessian.view((p, 0), (l, p)).into_owned();
         let own_gradient = normal.gradient.rows(p, l).into_owned();
         let eliminated = Cholesky::new(own).map(|inverse| Eliminated {
@@ -132,9 +186,7 @@ pub(super) fn reduce_record(
         });
         let mut block = normal.hessian.view((0, 0), (p, p)).into_owned();
         let mut right = normal.gradient.rows(0, p).into_owned();
-        for (row, &global) in globals.iter().enumerate() {
-            matrix[(global, global)] += damping * block[(row, row)];
-        }
+        damping.add(&block, globals, &mut matrix);
         if let Some(eliminated) = &eliminated {
             block -=
                 eliminated.coupling.transpose() * eliminated.inverse.solve(&eliminated.coupling);
@@ -180,4 +232,39 @@ pub(super) fn solve(
     });
     let right = gradient.component_mul(&scale);
     Cholesky::new(scaled).map(|cholesky| cholesky.solve(&right).component_mul(&scale))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two parameters of a window without nuisance parameters: an inertia of 2 and its torque of 6. The logs determine
+    /// the torque per inertia to 1e-6 of the torque's value, and the inertia to a tenth. They ask for a step to an
+    /// inertia that is larger by a third, at the same ratio.
+    #[test]
+    fn a_damped_step_keeps_to_the_ratios_that_the_logs_determine() {
+        let (inertia, torque) = (2.0, 6.0);
+        let across = DVector::from_vec(vec![-torque / inertia, 1.0]);
+        let own = DVector::from_vec(vec![1.0, 0.0]);
+        let hessian = &across * across.transpose() * (1e-6f64 * torque).powi(-2)
+            + &own * own.transpose() * (0.1f64 * inertia).powi(-2);
+        let wanted = DVector::from_vec(vec![inertia / 3.0, torque / 3.0]);
+        let gradient = &hessian * &wanted;
+        let step = |ratios: &[Option<(usize, f64)>]| {
+            let mut matrix = hessian.clone();
+            let damping = Damping {
+                share: 1e-4,
+                ratios,
+            };
+            damping.add(&hessian, &[0, 1], &mut matrix);
+            solve(&matrix, &gradient, &[false, false]).expect("a step")
+        };
+        let along = step(&[None, Some((0, torque / inertia))]);
+        assert!((along - &wanted).norm() < 1e-3 * wanted.norm());
+        // Held at a fixed torque, the inertia would hardly move.
+        assert!(step(&[None, None]).norm() < 1e-3 * wanted.norm());
+        // Without damping there is nothing to hold.
+        let undamped = solve(&hessian, &gradient, &[false, false]).expect("a step");
+        assert!((undamped - &wanted).norm() < 1e-6 * wanted.norm());
+    }
 }

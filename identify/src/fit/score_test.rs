@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 use plant::Model;
 
-use super::normal_equations::{assemble, reduce_record, solve};
+use super::normal_equations::{UNDAMPED, assemble, reduce_record, solve};
 use super::unknowns::{Unknowns, Window, moves_alike, relevant};
 use crate::records::Record;
 
@@ -102,7 +102,7 @@ pub fn score_test(
                 count,
             ),
             _ => {
-                let part = reduce_record(list, &globals[index], count, 0.0);
+                let part = reduce_record(list, &globals[index], count, &UNDAMPED);
                 let eliminated = part.windows.iter().flatten();
                 RecordScore {
                     cost: list.iter().map(|window| window.cost).sum(),

@@ -5,13 +5,13 @@
 //! 1978) on the [`super::normal_equations`].
 
 use nalgebra::{DMatrix, DVector};
-use plant::Model;
+use plant::{GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
 use rayon::prelude::*;
 
 use super::effort::{Effort, Outcome, within_pace};
-use super::normal_equations::{assemble, reduce, solve};
+use super::normal_equations::{Damping, UNDAMPED, assemble, reduce, solve};
 use super::sensitivity::window_cost;
-use super::unknowns::{Unknowns, Window, relevant};
+use super::unknowns::{Unknowns, Window, is_of_wheel, relevant};
 use crate::learned::penalty_of;
 use crate::records::Record;
 
@@ -88,6 +88,7 @@ pub fn minimise(
     };
     let mut costs = vec![assembled.cost + beforehand(&values)];
     let factors = factors(model);
+    let inertias = inertias(model, unknowns);
     if !assembled.cost.is_finite() {
         outcome = Outcome::NotFinite;
     }
@@ -97,7 +98,12 @@ pub fn minimise(
             break;
         }
         let mean_square = (assembled.cost / observations.max(1) as f64).max(1e-300);
-        let mut reduced = reduce(&assembled, &globals, count, damping);
+        let ratios = ratios(&inertias, unknowns, &values);
+        let damped = Damping {
+            share: damping,
+            ratios: &ratios,
+        };
+        let mut reduced = reduce(&assembled, &globals, count, &damped);
         if let Some(penalty) = &penalty {
             reduced.gradient -= penalty * of_unknowns(&values);
             reduced.matrix += penalty;
@@ -220,7 +226,7 @@ pub fn minimise(
             outcome = Outcome::Stalled;
         }
     }
-    let mut reduced = reduce(&assembled, &globals, count, 0.0);
+    let mut reduced = reduce(&assembled, &globals, count, &UNDAMPED);
     if let Some(penalty) = &penalty {
         reduced.matrix += penalty;
     }
@@ -248,6 +254,43 @@ pub fn cost(records: &[&Record], model: &Model, values: &[f64], windows: &[Vec<W
         .collect();
     // Summed in the order of the windows, so that the result does not depend on the number of threads.
     costs.into_iter().sum()
+}
+
+/// For every free torque of `model`: the free inertia that it accelerates, as unknowns.
+fn inertias(model: &Model, unknowns: &Unknowns) -> Vec<Option<usize>> {
+    let infos = model.parameters();
+    let of = |&position: &usize| {
+        let inertia = match position {
+            TOTAL_INERTIA | WHEEL_INERTIA => return None,
+            GRAVITY_TORQUE => TOTAL_INERTIA,
+            TORQUE_CONSTANT => WHEEL_INERTIA,
+            _ if model.effect_at(position).is_some_and(is_of_wheel) => WHEEL_INERTIA,
+            _ => TOTAL_INERTIA,
+        };
+        let at = unknowns.free.iter().position(|&free| free == inertia)?;
+        infos[position].is_torque.then_some(at)
+    };
+    unknowns.free.iter().map(of).collect()
+}
+
+/// The inertia of every free torque, and the change of the torque that keeps their ratio while the inertia changes by
+/// one, both in the fit's coordinates ([`Damping::ratios`]).
+fn ratios(
+    inertias: &[Option<usize>],
+    unknowns: &Unknowns,
+    values: &[f64],
+) -> Vec<Option<(usize, f64)>> {
+    // The relative change of a value is the change of its coordinate times this.
+    let relative = |unknown: usize| {
+        let value = values[unknowns.free[unknown]];
+        unknowns.slope(unknown, value) / value
+    };
+    let of = |(torque, inertia): (usize, &Option<usize>)| {
+        let inertia = (*inertia)?;
+        Some((inertia, relative(inertia) / relative(torque)))
+            .filter(|(_, change)| change.is_finite())
+    };
+    inertias.iter().enumerate().map(of).collect()
 }
 
 /// For every parameter b in whose product a b with another parameter a the torque is linear: the position of a
