@@ -172,16 +172,20 @@ fn best_style(lines: &[(u64, &str)], stated: Option<u8>, usual: u8) -> Option<(u
     let below = lines.get(1..)?;
     // The share of numbers, in the lines that contain any.
     let share = |(separator, decimal_comma): (u8, bool)| -> f64 {
-        let (mut numbers, mut all) = (0, 0);
+        let (mut numbers, mut all, mut has_mark) = (0, 0, false);
         for (_, line) in below {
             let cells = cells(line, separator);
             let good = cells.iter().filter(|cell| is_number(cell, decimal_comma));
-            let good = good.count();
+            let good = good.inspect(|cell| has_mark |= cell.contains(',')).count();
             // A line with a single cell does not show the separator.
             if cells.len() > 1 && good > 0 {
                 numbers += good;
                 all += cells.len();
             }
+        }
+        // Whole numbers alone do not show a decimal comma.
+        if decimal_comma && !has_mark {
+            return 0.0;
         }
         numbers as f64 / f64::max(all as f64, 1.0)
     };
@@ -313,6 +317,8 @@ mod tests {
             ("t;a, b\n1;2\n3;4\n", b';', false),
             ("t,a\n\"0,1\",\"0,25\"\n\"0,2\",\"0,3\"\n", b',', true),
             ("t,a\n0.1,\"1,234.5\"\n0.2,\"1,235.5\"\n", b',', false),
+            ("t,a\n0,1\n0.1,x\n", b',', false),
+            ("t;a\n0;1\n0.1;x\n", b';', false),
             ("t|a\n1|2\n3|4\n", b'|', false),
             ("t a\n1 2\n3 4\n", b' ', false),
         ] {
