@@ -128,7 +128,7 @@ fn a_preset_fills_a_timer_and_no_other() {
     let other = "[calibration.current]\nslope = 745.0\nslope_std = 0.3\noffset = 2048.0\noffset_std = 0.4\n";
     assert!(matches!(
         of(other, true),
-        Err(HardwareError::Contradiction(message)) if message.contains("another timer")
+        Err(HardwareError::Contradiction(message)) if message.contains("the timer is another one")
     ));
     // A stated timer is used as stated.
     let stated = format!(
