@@ -62,7 +62,7 @@ pub(crate) fn check(view: &View, facts: &Facts, settled: &mut Settled, out: &mut
     // The equation without the motor comes first: no effect of a motor can look like a wrong unit in it.
     for fits in [&by_wheel, &by_current].into_iter().flatten() {
         match fits.unit() {
-            Some(factor) if factor == 1.0 => settled.add(view, body.channel),
+            Some(1.0) => settled.add(view, body.channel),
             Some(factor) => {
                 out.push(unit_of_angle(
                     view,
