@@ -188,7 +188,10 @@ fn wrap(text: &str, width: usize) -> Vec<String> {
             line.push(' ');
         }
         while word.len() > width.max(1) {
-            let rest = word.split_off(width.max(1));
+            // A name is broken behind one of its marks, if it has one.
+            let longest = width.max(1);
+            let mark = word[..longest].iter().rposition(|c| "/_-".contains(*c));
+            let rest = word.split_off(mark.map_or(longest, |at| at + 1));
             lines.push(word.into_iter().collect());
             word = rest;
         }
@@ -218,6 +221,15 @@ mod tests {
         );
         assert!(!table.is_empty());
     }
+    #[test]
+    fn a_long_name_is_broken_behind_its_marks() {
+        let name = "body_presliding_stiffness";
+        assert_eq!(wrap(name, 24), ["body_presliding_", "stiffness"]);
+        let series = "spin-up-0.6A-reversed/wheel_speed";
+        assert_eq!(wrap(series, 24), ["spin-up-0.6A-reversed/", "wheel_speed"]);
+        assert_eq!(wrap("abcdefgh", 3), ["abc", "def", "gh"]);
+    }
+
     #[test]
     fn no_table_is_wider_than_a_terminal() {
         let long = "a text of many words that says what nobody reads to its end ".repeat(4);
