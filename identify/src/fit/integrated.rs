@@ -299,7 +299,7 @@ mod tests {
             let found = integrated_ratios(&[&driven], 64);
             near(found.gravity_over_free, gravity / (total - wheel), "G/D");
             // The trapezoidal rule delays a current that is held between samples by half a step. Of these pulses of three
-            // and four steps, that changes the angle's second integral by more than three percent.
+            // and four steps, that changes the angle's second integral by five and a half percent.
             if with_rate {
                 near(found.torque_over_free, torque / (total - wheel), "τ/D");
             }

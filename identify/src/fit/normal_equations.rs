@@ -259,12 +259,13 @@ mod tests {
             damping.add(&hessian, &[0, 1], &mut matrix);
             solve(&matrix, &gradient, &[false, false]).expect("a step")
         };
+        // The damping of 1e-4 shortens the step by this share; the rest is rounding, the two scales being 1e8 apart.
         let along = step(&[None, Some((0, torque / inertia))]);
-        assert!((along - &wanted).norm() < 1e-3 * wanted.norm());
+        assert!((along - &wanted).norm() < 2e-4 * wanted.norm());
         // Held at a fixed torque, the inertia would hardly move.
         assert!(step(&[None, None]).norm() < 1e-3 * wanted.norm());
         // Without damping there is nothing to hold.
         let undamped = solve(&hessian, &gradient, &[false, false]).expect("a step");
-        assert!((undamped - &wanted).norm() < 1e-3 * wanted.norm());
+        assert!((undamped - &wanted).norm() < 1e-4 * wanted.norm());
     }
 }
