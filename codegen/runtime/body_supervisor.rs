@@ -1,83 +1,85 @@
 //! When the motor may be driven, and when it may no longer, where an encoder shows the body.
 //!
 //! The angle is known from the first count on. The motor may be driven once the body has been near upright and nearly
-//! at rest for a stated time. While it is driven, each of the conditions below is counted; one that lasts for its
-//! stated number of steps trips, and the current is zero until the controller is armed again.
+//! at rest for a stated time. While it is driven, a counter runs for each fault condition below. A condition that
+//! holds for its stated number of consecutive steps trips the controller: the current is then zero until the
+//! controller is armed again.
 //!
-//! A count that stands still is no fault: a body at rest shows it. It is one under a current that moves the
-//! body: gravity takes a part of the current at each angle, and what is left of it accelerates the body, until the count
-//! changes.
+//! An encoder count that does not change is no fault while the body is at rest. It is a fault while the current
+//! exceeds what holds the body against gravity at its angle: the excess accelerates the body, so that the count has to
+//! change.
 
 use super::product::clamp;
 
-/// What the controller does. A trip lasts until it is armed again.
+/// What the controller does. A trip lasts until the controller is armed again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// The body has not been near upright and at rest for long enough yet.
     NotAligned = 0,
-    /// It has; the motor gets no current.
+    /// The body has been near upright and at rest for long enough; the motor gets no current.
     Ready = 1,
     /// The motor is driven.
     Running = 2,
-    /// The body leaned further than the motor could have brought back.
+    /// The body leaned beyond the largest angle at which the motor is driven.
     TrippedAngle = 3,
-    /// The body's count stood still under a current that moves the body.
+    /// The body's encoder count did not change under a current that must have moved the body.
     TrippedFrozen = 4,
     /// Does not occur with an encoder.
     TrippedClipped = 5,
-    /// The wheel's speed stayed at the ends of what the sensor shows.
+    /// The reading of the wheel's speed stayed at an end of the sensor's range.
     TrippedWheelSpeed = 6,
     /// Does not occur with an encoder.
     TrippedAccelerometer = 7,
     /// The current stayed at its limit for longer than the wheel can take.
     TrippedCurrent = 8,
-    /// A count was no motion, or the firmware reported a missed tick or a bus error.
+    /// A count jumped further than any motion, or the firmware reported a missed tick or a bus error.
     TrippedFault = 9,
 }
 
-/// Numbers of the supervisor.
+/// The limits of the supervisor, in the words that the step computes with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Largest angle while running, word of the angle.
+    /// Largest angle at which the motor stays driven, in words of the angle.
     pub angle_trip: i32,
-    /// Largest angle at which the controller is armed, word of the angle.
+    /// Largest angle at which the controller can be armed, in words of the angle.
     pub angle_arm: i32,
-    /// Largest rate at which the controller is armed, word of the rate.
+    /// Largest rate at which the controller can be armed, in words of the rate.
     pub rate_arm: i32,
-    /// Steps within both before it is armed, at least those of the encoder's window.
+    /// Consecutive steps within both before it can be armed; at least the steps of the encoder's window.
     pub still_steps: i32,
-    /// Counts of the wheel's sensor at or below which the speed may be any.
+    /// Lower end of the wheel sensor's range, counts: at or below it the speed is unknown.
     pub wheel_low: i32,
-    /// Counts at or above which it may be any.
+    /// Upper end of the wheel sensor's range, counts: at or above it the speed is unknown.
     pub wheel_high: i32,
-    /// Steps with an unknown wheel speed that trip.
+    /// Consecutive steps with an unknown wheel speed that trip the controller.
     pub wheel_steps: i32,
-    /// Largest current beyond what gravity takes under which the body may stand still, word of the current.
+    /// Largest excess of the current over what holds the body against gravity at which the body can stay at rest, in
+    /// words of the current.
     pub left_over: i32,
-    /// Steps without a change of the body's count, with more than that left over, that trip.
+    /// Consecutive steps with an unchanged count under a larger excess that trip the controller.
     pub frozen_steps: i32,
-    /// Steps at the current's limit that trip.
+    /// Consecutive steps with the current at its limit that trip the controller.
     pub saturated_steps: i32,
 }
 
-/// For how many steps each condition has lasted, at most its limit.
+/// The number of consecutive steps for which each condition has held, at most its limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counters {
     /// The wheel's speed was unknown.
     pub wheel: i32,
-    /// The body's count stood still while the current pushed the body back.
+    /// The body's count did not change while the current pushed the body backward.
     pub frozen_back: i32,
-    /// The body's count stood still while the current, or gravity against it, pushed the body forward.
+    /// The body's count did not change while the current, or gravity against it, pushed the body forward.
     pub frozen_forward: i32,
     /// The body was near upright and nearly at rest.
     pub still: i32,
     /// The current was at its limit.
     pub saturated: i32,
-    /// The current of the last step, its word; zero unless the motor was driven.
+    /// The word of the current in the last step; zero unless the motor was driven.
     pub current: i32,
 }
 
-/// Nothing has lasted yet.
+/// No condition has held yet.
 pub const NOTHING_COUNTED: Counters = Counters {
     wheel: 0,
     frozen_back: 0,
@@ -94,17 +96,17 @@ pub struct Shown {
     pub is_running: bool,
     /// Word of the body's angle.
     pub angle: i32,
-    /// Word of its rate.
+    /// Word of the body's rate.
     pub rate: i32,
-    /// Whether its count is that of the step before.
+    /// Whether the body's count is the same as in the step before.
     pub is_same: bool,
-    /// The current that holds the body at this angle against gravity, its word.
+    /// Word of the current that holds the body at this angle against gravity.
     pub held: i32,
-    /// Counts that stand for the wheel's speed.
+    /// Reading of the wheel's sensor, counts.
     pub wheel: i32,
 }
 
-/// The count of a condition after a step: one more, at most `limit`, where it holds; else none.
+/// The counter of a condition after a step: one more, at most `limit`, if the condition holds; else zero.
 #[inline]
 pub fn counted(count: i32, holds: bool, limit: i32) -> i32 {
     if holds {
@@ -114,7 +116,7 @@ pub fn counted(count: i32, holds: bool, limit: i32) -> i32 {
     }
 }
 
-/// The counts after a sample; that of the current's limit stays.
+/// The counters after a sample. The counter of the current's limit does not change here.
 #[inline]
 pub fn observed(counters: &Counters, shown: &Shown, limits: &Limits) -> Counters {
     let is_unknown = shown.wheel <= limits.wheel_low || shown.wheel >= limits.wheel_high;
@@ -142,7 +144,7 @@ pub fn observed(counters: &Counters, shown: &Shown, limits: &Limits) -> Counters
     }
 }
 
-/// The status of a controller that runs, by its counts and the word of the angle.
+/// The status of a running controller after a sample, from its counters and the word of the angle.
 #[inline]
 pub fn judged(counters: &Counters, angle: i32, limits: &Limits) -> Status {
     if angle < -limits.angle_trip || angle > limits.angle_trip {

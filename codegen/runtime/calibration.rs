@@ -1,4 +1,4 @@
-//! Raw counts of a three-axis sensor to words, by bias and matrix.
+//! Converts raw counts of a three-axis sensor to words: subtracts the bias and applies a matrix.
 
 use super::product::mul_high;
 
@@ -7,16 +7,16 @@ use super::product::mul_high;
 pub struct SensorLine {
     /// Bias in 2⁻¹⁵ counts, at most 2²⁸ (8192 counts).
     pub bias: [i32; 3],
-    /// Row of the x output in the matrix of scale, cross-axis terms and alignment: output units
-    /// per count in Q(17 + shift). The magnitudes of each row sum to at most 3·2²⁹.
+    /// Row of the x output in the matrix of scale, cross-axis sensitivity and alignment: output units
+    /// per count in Q(17 + shift). The magnitudes of a row add up to at most 3·2²⁹.
     pub x: [i32; 3],
     /// Row of the y output.
     pub y: [i32; 3],
     /// Row of the z output.
     pub z: [i32; 3],
-    /// Bits that the sum of products has beyond the output, at most 16.
+    /// Number of fraction bits that a sum of products has beyond the output, at most 16.
     pub shift: u32,
-    /// Half a unit of the output, and one for the mean of what the products round down.
+    /// Half a unit of the output, plus one for the mean error of products that are rounded down.
     pub half_unit: i32,
 }
 

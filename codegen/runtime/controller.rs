@@ -40,7 +40,7 @@ use super::supervisor::{
     Counters, NOTHING_COUNTED, Shown, Status, counted, judged, may_arm, observed,
 };
 
-/// What the sensors said at one instant.
+/// The readings of the sensors at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sample {
     /// Gyroscope, raw counts.
@@ -49,17 +49,17 @@ pub struct Sample {
     /// Accelerometer, raw counts.
     #[cfg(not(body_encoder))]
     pub accel: [i16; 3],
-    /// Magnetometer, raw counts, where there is a new reading. The controller does not use it: it
-    /// shows the heading, not the pivot's angle.
+    /// Magnetometer, raw counts, if there is a new reading. The controller does not use it: a
+    /// magnetometer shows the heading, not the angle about the pivot.
     #[cfg(not(body_encoder))]
     pub mag: Option<[i16; 3]>,
     /// The count of the encoder on the pivot.
     #[cfg(body_encoder)]
     pub body_count: u16,
-    /// The drive's speed output, raw counts of the converter.
+    /// Raw counts of the converter that reads the drive's speed output.
     #[cfg(wheel_converter)]
     pub wheel_adc: u16,
-    /// The wheel's speed as the motor's driver sends it.
+    /// The wheel's speed, in the driver's own units, as the motor's driver sends it.
     #[cfg(wheel_driver)]
     pub wheel_speed: i16,
     /// The count of the wheel's encoder.
@@ -67,16 +67,16 @@ pub struct Sample {
     pub wheel_count: u16,
 }
 
-/// Duty of the timer that the drive reads.
+/// Duty of the timer whose signal the drive reads, in counts of the timer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Duty(pub u16);
 
-/// What a sample means.
+/// What the step has derived from one sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Seen {
     /// Whether the motor is to be driven.
     is_driven: bool,
-    /// The body's angle, its word: an arc tangent, so that it is found once a step.
+    /// Word of the body's angle. It takes an arc tangent, so that it is computed once a step.
     #[cfg(not(body_encoder))]
     angle: i32,
 }
@@ -101,7 +101,7 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// Starts without an attitude; a window of quiet samples sets it.
+    /// A controller without an attitude. A window of quiet samples sets the attitude.
     #[cfg(not(body_encoder))]
     pub const fn new() -> Self {
         Controller {
@@ -116,7 +116,7 @@ impl Controller {
         }
     }
 
-    /// Before the first count.
+    /// A controller before the first encoder count.
     #[cfg(body_encoder)]
     pub const fn new() -> Self {
         Controller {
@@ -128,13 +128,14 @@ impl Controller {
         }
     }
 
-    /// What the controller does, or why it does nothing.
+    /// What the controller does, or why the motor gets no current.
     pub fn status(&self) -> Status {
         self.status
     }
 
-    /// From the next step on the motor is driven, if the attitude is known, the body near upright and
-    /// nearly at rest, and no sensor stuck; else nothing changes. Returns whether it is driven.
+    /// Arms the controller: from the next step on the motor is driven. Needs a known attitude, a body
+    /// near upright and nearly at rest, and no sensor at fault; otherwise nothing changes. Returns
+    /// whether the motor is driven.
     #[cfg(not(body_encoder))]
     pub fn arm(&mut self) -> bool {
         if self.status == Status::Running {
@@ -151,8 +152,9 @@ impl Controller {
         }
     }
 
-    /// From the next step on the motor is driven, if the body has been near upright and nearly at rest for long
-    /// enough, and the wheel's speed is known; else nothing changes. Returns whether it is driven.
+    /// Arms the controller: from the next step on the motor is driven. The body must have been near upright and nearly
+    /// at rest for long enough, and the wheel's speed be known; otherwise nothing changes. Returns whether the motor is
+    /// driven.
     #[cfg(body_encoder)]
     pub fn arm(&mut self) -> bool {
         if self.status == Status::Running {
@@ -167,7 +169,8 @@ impl Controller {
         }
     }
 
-    /// From the next step on, the current is zero; the body is still followed. A trip stays what it is.
+    /// Ends driving: from the next step on the current is zero. The body is still followed, and the status of a trip
+    /// stays.
     #[cfg(body_encoder)]
     pub fn disarm(&mut self) {
         if self.status == Status::Running {
@@ -175,8 +178,8 @@ impl Controller {
         }
     }
 
-    /// From the next step on, the current is zero; the attitude is still followed. A trip stays what
-    /// it is.
+    /// Ends driving: from the next step on the current is zero. The attitude is still followed, and
+    /// the status of a trip stays.
     #[cfg(not(body_encoder))]
     pub fn disarm(&mut self) {
         if self.status == Status::Running {
@@ -185,14 +188,14 @@ impl Controller {
     }
 
     /// Reports a missed tick or a bus error: from the next step on the current is zero, and the
-    /// body has to be at rest anew.
+    /// body has to come to rest again before the controller can be armed.
     #[cfg(body_encoder)]
     pub fn fault(&mut self) {
         self.trip(Status::TrippedFault);
     }
 
     /// Reports a missed tick or a bus error: from the next step on the current is zero, and the
-    /// attitude has to be found anew.
+    /// attitude has to be found again before the controller can be armed.
     #[cfg(not(body_encoder))]
     pub fn fault(&mut self) {
         self.trip(Status::TrippedFault);
@@ -204,19 +207,20 @@ impl Controller {
         &self.attitude
     }
 
-    /// The body's angle from upright by its last count.
+    /// The body's angle from upright, from its last count.
     #[cfg(body_encoder)]
     pub fn angle(&self) -> Angle {
         body_angle(self.body.count())
     }
 
-    /// The body's rate by the turn over the encoder's window, half of which it is old.
+    /// The body's rate, from the turn over the encoder's window: the rate of half a window ago.
     #[cfg(body_encoder)]
     pub fn rate(&self) -> Rate {
         body_rate(self.body.turned(&BODY_ENCODER))
     }
 
-    /// Takes one sample and returns the duty: that of zero current unless the controller runs.
+    /// Takes one sample and returns the duty. Unless the controller runs, it is the duty of zero
+    /// current.
     pub fn step(&mut self, sample: &Sample) -> Duty {
         #[cfg(wheel_converter)]
         let speed = wheel_speed(sample.wheel_adc);
@@ -257,7 +261,7 @@ impl Controller {
         }
     }
 
-    /// As [`Controller::step`], with a current in place of the law's, within its limit.
+    /// As [`Controller::step`], with `current` in place of the control law's, clamped to its limit.
     pub fn step_with_current(&mut self, sample: &Sample, current: Current) -> Duty {
         #[cfg(all(wheel_converter, any(voltage_drive, not(body_encoder))))]
         let speed = wheel_speed(sample.wheel_adc);
@@ -284,7 +288,7 @@ impl Controller {
         }
     }
 
-    /// Takes a sample: counts of the encoders, and how long each condition has lasted.
+    /// Takes a sample: updates the encoders and the counters of the conditions.
     #[cfg(body_encoder)]
     fn seen(&mut self, sample: &Sample) -> Seen {
         let before = self.body.count();
@@ -304,7 +308,7 @@ impl Controller {
             wheel: self.wheel.turned(&WHEEL_ENCODER),
         };
         self.counters = observed(&self.counters, &shown, &LIMITS);
-        // A count that is no motion: the encoder, its magnet or the bus has failed.
+        // A count that jumped further than any motion: the encoder, its magnet or the bus has failed.
         #[cfg(wheel_encoder)]
         let has_jumped = self.body.has_jumped() || self.wheel.has_jumped();
         #[cfg(not(wheel_encoder))]
@@ -329,7 +333,7 @@ impl Controller {
         Seen { is_driven: false }
     }
 
-    /// Takes a sample: attitude, counts, window.
+    /// Takes a sample: updates the attitude, the counters and the window.
     #[cfg(not(body_encoder))]
     fn seen(&mut self, sample: &Sample, speed: WheelSpeed) -> Seen {
         // A reading at the end of the range says nothing of the rate: the last one stands in for the few
@@ -357,7 +361,7 @@ impl Controller {
         );
         let angle = self.attitude.angle().to_bits();
         let judgement = judged(&self.counters, angle, &LIMITS);
-        // A count that is no motion: the encoder, its magnet or the bus has failed.
+        // A count that jumped further than any motion: the encoder, its magnet or the bus has failed.
         #[cfg(wheel_encoder)]
         let has_jumped = self.wheel.has_jumped();
         #[cfg(wheel_encoder)]
@@ -389,8 +393,8 @@ impl Controller {
         }
     }
 
-    /// The window with one sample more; a full one sets the attitude in the step after it, since both together
-    /// would be the longest step of all.
+    /// Adds a sample to the window. A full window sets the attitude in the following step: both in one step would
+    /// be the longest step of all.
     #[cfg(not(body_encoder))]
     fn align(&mut self, sample: &Sample) {
         if self.window.count >= LIMITS.window {
@@ -407,14 +411,14 @@ impl Controller {
         }
     }
 
-    /// No current, and the body has to be at rest anew.
+    /// Stops driving; the body has to come to rest again.
     #[cfg(body_encoder)]
     fn trip(&mut self, status: Status) {
         self.status = status;
         self.counters.still = 0;
     }
 
-    /// No current, and the attitude is not believed any more.
+    /// Stops driving and discards the attitude.
     #[cfg(not(body_encoder))]
     fn trip(&mut self, status: Status) {
         self.status = status;
@@ -422,7 +426,7 @@ impl Controller {
         self.window = EMPTY_WINDOW;
     }
 
-    /// The duty of a current at a wheel speed; the current is counted where it is at its limit.
+    /// The duty for a current at a wheel speed. Steps with the current at its limit are counted.
     #[cfg(voltage_drive)]
     fn sent(&mut self, current: Current, speed: WheelSpeed) -> Duty {
         let word = current.to_bits();
@@ -438,7 +442,7 @@ impl Controller {
         duty(current, speed)
     }
 
-    /// The duty of a current, which is counted where it is at its limit.
+    /// The duty for a current. Steps with the current at its limit are counted.
     #[cfg(not(voltage_drive))]
     fn sent(&mut self, current: Current) -> Duty {
         let word = current.to_bits();
@@ -461,33 +465,33 @@ impl Default for Controller {
     }
 }
 
-/// The wheel's speed relative to the body from the converter's counts, within the stated range.
+/// The wheel's speed relative to the body, from the converter's counts, clamped to the stated range.
 #[cfg(wheel_converter)]
 pub fn wheel_speed(adc: u16) -> WheelSpeed {
     WheelSpeed::from_bits(on_line(adc as i32, &WHEEL_SPEED_LINE))
 }
 
-/// The wheel's speed relative to the body from the driver's word, within the stated range.
+/// The wheel's speed relative to the body, from the driver's reading, clamped to the stated range.
 #[cfg(wheel_driver)]
 pub fn wheel_speed(word: i16) -> WheelSpeed {
     WheelSpeed::from_bits(on_line(word as i32, &WHEEL_SPEED_LINE))
 }
 
-/// The wheel's speed relative to the body from the counts that its encoder turned over the window,
-/// within the stated range. It is half a window old.
+/// The wheel's speed relative to the body, from the counts that its encoder turned over the window,
+/// clamped to the stated range. It is the speed of half a window ago.
 #[cfg(wheel_encoder)]
 pub fn wheel_speed(turned: i32) -> WheelSpeed {
     WheelSpeed::from_bits(on_line(turned, &WHEEL_SPEED_LINE))
 }
 
-/// The duty for a current, within the drive's limits.
+/// The duty for a current, clamped to the drive's limits.
 #[cfg(not(voltage_drive))]
 pub fn duty(current: Current) -> Duty {
     Duty(on_line(current.to_bits(), &DUTY_LINE) as u16)
 }
 
 /// The duty of the voltage that drives a current through the winding of a motor whose wheel turns at
-/// this speed: V = R u + k_e w, within the supply's. Where the supply is too low for it, less flows.
+/// this speed: V = R u + k_e w, clamped to the supply. Where the supply is too low, less current flows.
 #[cfg(voltage_drive)]
 pub fn duty(current: Current, wheel_speed: WheelSpeed) -> Duty {
     let (word, speed) = (current.to_bits(), wheel_speed.to_bits());

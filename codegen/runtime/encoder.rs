@@ -1,32 +1,32 @@
-//! An absolute encoder: how far it has turned in a step, and over a window of steps, in exact counts.
+//! An absolute encoder: its turn in one step and over a window of steps, in exact counts.
 
 use super::product::clamp;
 
-/// Numbers of an encoder.
+/// Constants of an encoder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EncoderNumbers {
-    /// The count after which it begins again at zero: a power of two, at most 2¹⁶.
+    /// Number of counts after which the count starts again at zero: a power of two, at most 2¹⁶.
     pub wrap: i32,
-    /// Steps over which the turn is taken, 1 to 16.
+    /// Number of steps in the window, 1 to 16.
     pub window: i32,
-    /// Largest difference between the turns of two steps, in counts; a larger one is no motion.
+    /// Largest possible difference between the turns of two consecutive steps, counts. A larger one is a fault.
     pub jump: i32,
 }
 
-/// Largest turn of a step, either way: half of the largest `wrap`.
+/// Largest magnitude of the turn in one step: half of the largest `wrap`.
 pub const TURN_MAX: i32 = 0x8000;
 
 /// Largest count.
 pub const COUNT_MAX: i32 = 0xffff;
 
-/// What is remembered of an encoder.
+/// The state of an encoder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Encoder {
-    /// How many samples it has given, at most two.
+    /// Number of samples so far, at most two.
     seen: i32,
     /// The last count.
     count: i32,
-    /// Whether the last count cannot follow from a motion.
+    /// Whether the last count jumped further than any motion.
     has_jumped: bool,
     /// Turns of the last four steps, the youngest first.
     newest: [i32; 4],
@@ -52,8 +52,8 @@ impl Encoder {
         }
     }
 
-    /// Takes a count. The first one is where it starts; from the third one on, a turn that differs
-    /// from the one before by more than `jump` is no motion.
+    /// Takes a count. The first count is the start. From the third on, a turn that differs from the one
+    /// before by more than `jump` is a fault.
     pub fn update(&mut self, count: u16, numbers: &EncoderNumbers) {
         let count = clamp(count as i32, 0, numbers.wrap - 1);
         let turn = if self.seen > 0 {
@@ -82,12 +82,12 @@ impl Encoder {
         self.count
     }
 
-    /// Whether the last count cannot follow from a motion.
+    /// Whether the last count jumped further than any motion.
     pub fn has_jumped(&self) -> bool {
         self.has_jumped
     }
 
-    /// Counts turned over the window: the sum of its steps' turns, exact.
+    /// The turn over the window in counts: the exact sum of the turns of its steps.
     pub fn turned(&self, numbers: &EncoderNumbers) -> i32 {
         let left = numbers.window;
         first(self.newest, left)
@@ -103,7 +103,7 @@ impl Default for Encoder {
     }
 }
 
-/// The sum of the first `count` turns of four, of all of them where there are fewer.
+/// The sum of the first `count` of four turns; of all four if `count` is larger.
 #[inline]
 fn first(turns: [i32; 4], count: i32) -> i32 {
     let one = if count > 0 { turns[0] } else { 0_i32 };
@@ -113,8 +113,8 @@ fn first(turns: [i32; 4], count: i32) -> i32 {
     one + two + three + four
 }
 
-/// A difference of two counts as the shorter way round: within half of `wrap` either way, to which
-/// anything else is clamped.
+/// The difference of two counts the shorter way round, within ±`wrap`/2; anything else is clamped to
+/// that.
 #[inline]
 pub fn within_half(difference: i32, wrap: i32) -> i32 {
     let half = wrap >> 1;

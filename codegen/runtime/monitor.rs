@@ -1,4 +1,4 @@
-//! Watches whether the pendulum moves as the proved model allows.
+//! Watches whether the pendulum moves as the model of the proof allows.
 
 use super::constants::ZERO_CURRENT;
 use super::control::{Angle, Rate, WheelSpeed};
@@ -6,8 +6,8 @@ use super::controller::Duty;
 use super::monitor_words::MOTION_LIMITS;
 use super::motion::{Motion, MotionSums, NO_DIFFERENCE, agrees, compared};
 
-/// Compares each step's motion with the model's prediction. Call [`Monitor::allows`] after every step of the
-/// controller; where it says no, report a fault to the controller.
+/// Compares the motion in each step with the model's prediction. Call [`Monitor::allows`] after every step of the
+/// controller; if it returns `false`, report a fault to the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Monitor {
     was_running: bool,
@@ -16,7 +16,7 @@ pub struct Monitor {
 }
 
 impl Monitor {
-    /// Has seen no motion yet.
+    /// A monitor that has seen no motion.
     pub const fn new() -> Self {
         Monitor {
             was_running: false,

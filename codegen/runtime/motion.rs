@@ -1,10 +1,10 @@
 //! Whether a measured motion is one that the linear model allows.
 //!
 //! A step of the model predicts by how much the wheel's own speed (body rate plus wheel speed) and the body's rate
-//! change. What the measurements show beyond that is added up, and forgotten slowly: so noise
-//! stays small, and a wheel that does not answer adds up. Beside each sum runs its width: how far the sum may be off
-//! because the model's numbers are known only so well. The motion is allowed while each sum lies within its
-//! limit and its width. A push on the body changes the rate of the body, not the wheel's own speed.
+//! change. The differences between measurement and prediction are summed, and each sum decays slowly. The sum of
+//! noise therefore stays small, while the sum of a wheel that does not respond grows. Each sum has a width: how far the
+//! sum can be off because the model's parameters are uncertain. The motion is allowed while the magnitude of each sum is
+//! at most its limit plus its width. A push on the body changes the body's rate, not the wheel's own speed.
 //!
 //! Sums, widths and limits are in units of 2⁻¹⁶ rad/s.
 
@@ -23,32 +23,32 @@ pub struct MotionRow {
     pub duty: i32,
 }
 
-/// Numbers of the monitor. All products have `shift` bits more than a sum.
+/// Constants of the monitor. Every product has `shift` fraction bits more than a sum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MotionLimits {
-    /// A sum forgets 2^−`leak` of itself in a step; 1 to 16.
+    /// A sum decays by 2^−`leak` of itself in each step; 1 to 16.
     pub leak: u32,
-    /// Bits that rounding a row of products to a sum removes, 1 to 62.
+    /// Number of bits that rounding a row of products to a sum removes, 1 to 62.
     pub shift: u32,
-    /// A unit of the rate in products.
+    /// One word of the rate, in units of a product.
     pub rate: i32,
-    /// A unit of the wheel speed in products.
+    /// One word of the wheel speed, in units of a product.
     pub wheel_speed: i32,
-    /// Change of the wheel's own speed in a step.
+    /// Predicted change of the wheel's own speed in one step.
     pub wheel: MotionRow,
-    /// Change of the body's rate in a step.
+    /// Predicted change of the body's rate in one step.
     pub body: MotionRow,
-    /// Growth of the wheel's width, for magnitudes.
+    /// Growth of the width of the wheel's sum in one step, for the magnitudes of the motion.
     pub wheel_width: MotionRow,
-    /// Growth of the body's width, for magnitudes.
+    /// Growth of the width of the body's sum in one step, for the magnitudes of the motion.
     pub body_width: MotionRow,
-    /// How far the wheel's sum may be off beside its width.
+    /// Limit of the wheel's sum, without its width.
     pub wheel_limit: i32,
-    /// How far the body's sum may be off beside its width.
+    /// Limit of the body's sum, without its width.
     pub body_limit: i32,
 }
 
-/// What was measured and sent in one step.
+/// The measurement of one step, and the duty that was sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Motion {
     /// Word of the angle.
@@ -57,24 +57,24 @@ pub struct Motion {
     pub rate: i32,
     /// Word of the wheel speed.
     pub wheel_speed: i32,
-    /// Duty less that of zero current, counts.
+    /// Duty minus the duty of zero current, counts.
     pub duty: i32,
 }
 
 /// The sums and their widths, each within ±2²⁸.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MotionSums {
-    /// Of the wheel's own speed.
+    /// Sum for the wheel's own speed.
     pub wheel: i32,
     /// Its width.
     pub wheel_width: i32,
-    /// Of the body's rate.
+    /// Sum for the body's rate.
     pub body: i32,
     /// Its width.
     pub body_width: i32,
 }
 
-/// No difference so far.
+/// Sums without any difference so far.
 pub const NO_DIFFERENCE: MotionSums = MotionSums {
     wheel: 0,
     wheel_width: 0,
@@ -82,7 +82,7 @@ pub const NO_DIFFERENCE: MotionSums = MotionSums {
     body_width: 0,
 };
 
-/// Largest magnitude of a sum and of a width: 4096 rad/s.
+/// Largest magnitude of a sum or a width: 4096 rad/s.
 pub const DIFFERENCE_MAX: i32 = 0x1000_0000;
 
 /// The sums after a step from one motion to the next.
@@ -162,7 +162,7 @@ fn magnitude(word: i32) -> i64 {
     }
 }
 
-/// A sum that forgets its share and takes up one row of products, within `low` and [`DIFFERENCE_MAX`].
+/// The sum after it has decayed and one row of products has been added, clamped to `low` and [`DIFFERENCE_MAX`].
 #[inline]
 fn summed(sum: i32, products: i64, low: i32, limits: &MotionLimits) -> i32 {
     let half = 1i64 << (limits.shift - 1);

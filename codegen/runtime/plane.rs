@@ -10,7 +10,7 @@ pub struct Plane {
     pub speed: i32,
     /// Value at zero plus one half, times 2^shift; at most 2⁶¹.
     pub offset: i64,
-    /// At most 62.
+    /// Number of fraction bits of slopes and value at zero, at most 62.
     pub shift: u32,
     /// Smallest result.
     pub low: i32,
@@ -18,7 +18,8 @@ pub struct Plane {
     pub high: i32,
 }
 
-/// The plane at these words. Within half a unit of the plane with the rounded slopes and offset; any words.
+/// The value of the plane at these words, for any words. It is within half a unit of the plane with the rounded
+/// slopes and offset.
 #[inline]
 pub fn on_plane(current: i32, speed: i32, plane: &Plane) -> i32 {
     let of_current = current as i64 * plane.current as i64;

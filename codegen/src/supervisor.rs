@@ -335,7 +335,7 @@ pub fn documents(spec: &ModuleSpec, attitude: &AttitudeSpec) -> Vec<String> {
         ),
         format!("| angle | {}, at once |", degrees(numbers.angle_trip_rad)),
         format!(
-            "| gyroscope's words stand still | {:.7} s (its noise is taken to be half a count or more) |",
+            "| gyroscope's reading unchanged | {:.4} s (assumes noise of at least half a count) |",
             numbers.frozen_s
         ),
         format!("| gyroscope or accelerometer clipped | {CLIPPED_S} s |"),
@@ -355,7 +355,10 @@ pub fn documents(spec: &ModuleSpec, attitude: &AttitudeSpec) -> Vec<String> {
         format!("| current at its limit | {:.3} s |", numbers.saturated_s),
     ];
     if matches!(spec.hardware.wheel, WheelSensor::Encoder(_)) {
-        lines.push("| a count of the wheel's encoder that is no motion | at once |".to_owned());
+        lines.push(
+            "| the count of the wheel's encoder jumps further than any motion | at once |"
+                .to_owned(),
+        );
     }
     lines
 }
@@ -376,11 +379,11 @@ pub fn documents_for_encoder(spec: &ModuleSpec, body: &BodyEncoder) -> Vec<Strin
         ),
         format!("| angle | {}, at once |", degrees(numbers.angle_trip_rad)),
         format!(
-            "| the body's count stands still under a current of {:.3} A more than gravity takes | {:.3} s |",
+            "| the body's count unchanged under a current of {:.3} A more than holds it against gravity | {:.3} s |",
             LEFT_OVER_SHARE * spec.current_limit_a,
             frozen_count_s(spec, &body.encoder)
         ),
-        "| a count of the body's encoder that is no motion | at once |".to_owned(),
+        "| the count of the body's encoder jumps further than any motion | at once |".to_owned(),
         format!("| wheel speed at the ends of its sensor | {WHEEL_S} s |"),
         format!(
             "| ends of the wheel's sensor | {}, {} {} |",
@@ -391,7 +394,10 @@ pub fn documents_for_encoder(spec: &ModuleSpec, body: &BodyEncoder) -> Vec<Strin
         format!("| current at its limit | {:.3} s |", numbers.saturated_s),
     ];
     if matches!(spec.hardware.wheel, WheelSensor::Encoder(_)) {
-        lines.push("| a count of the wheel's encoder that is no motion | at once |".to_owned());
+        lines.push(
+            "| the count of the wheel's encoder jumps further than any motion | at once |"
+                .to_owned(),
+        );
     }
     lines.extend(
         [

@@ -83,7 +83,7 @@ impl Documented<'_> {
     fn hardware(&self) -> impl Iterator<Item = &str> {
         let lines = self.0.lines();
         lines
-            .skip_while(|line| *line != "//! # What the words mean")
+            .skip_while(|line| *line != "//! # Sensors and drive")
             .skip(1)
             .map_while(|line| line.strip_prefix("//! - "))
     }

@@ -23,7 +23,7 @@ pub(super) fn tokens(
 ) -> TokenStream {
     let number = |value: f64| ShortestDecimal::new(value).text;
     let docs = inner_docs(&[
-        "Numbers of this bench: encoder on the pivot, sensor of the wheel, drive.".to_owned(),
+        "Constants of this bench: encoder on the pivot, sensor of the wheel, drive.".to_owned(),
         String::new(),
         "Each word is the real number rounded once to the format stated at its field.".to_owned(),
         String::new(),
@@ -40,7 +40,7 @@ pub(super) fn tokens(
     let zero_count = integer(own.zero.into());
     let [angle, rate, _] = &law.terms;
     let angle_docs = outer_docs(&[format!(
-        "From counts from upright to the word of the angle ({}): {} counts a turn.",
+        "From counts relative to upright to the word of the angle ({}): {} counts a turn.",
         angle.input.format.type_name(),
         number(body.encoder.counts_per_turn)
     )]);
@@ -53,10 +53,10 @@ pub(super) fn tokens(
     let rate_line = line(&own.rate);
     let holding_docs = outer_docs(&[
         format!(
-            "From the word of the angle to that of the current ({}) that holds the body there against gravity.",
+            "From the word of the angle to the word of the current ({}) that holds the body there against gravity.",
             law.current.type_name()
         ),
-        "Up to the angle at which the largest current holds it, sin is nearly the angle."
+        "The line replaces sin by the angle; the difference is small up to the angle that the largest current holds."
             .to_owned(),
     ]);
     let holding = line(&own.holding);

@@ -99,7 +99,8 @@ fn duty(
                     spec.drive.duty_zero,
                     number(voltage.supply_v)
                 ),
-                "At its ends the supply is too low for the current, and less flows.".to_owned(),
+                "At its ends the supply is too low for the current, and less current flows."
+                    .to_owned(),
             ]);
             let plane = plane(words);
             let tokens = quote! {
@@ -133,9 +134,9 @@ fn zero_documents(spec: &ModuleSpec) -> Vec<String> {
     };
     let speed = spec.ranges.wheel_speed_rad_s;
     vec![
-        "Duty while the controller does not run: 0 V, whatever any sensor says, so that nothing is fed to the motor."
+        "Duty while the controller does not run: 0 V, whatever the sensors read, so that the motor gets no power."
             .to_owned(),
-        "A bridge that stays on then shorts the winding, and the wheel brakes itself; at".to_owned(),
+        "A bridge that stays on then shorts the winding, so that the motor brakes the wheel. At".to_owned(),
         format!(
             "{speed} rad/s a current of {:.2} A would begin to flow. A firmware that is to let the wheel run out",
             voltage.back_emf_v_s * speed / voltage.winding_ohm
@@ -154,13 +155,13 @@ pub(super) fn encoder_documents(
 ) -> Vec<String> {
     vec![
         format!(
-            "{name}: {} counts a turn, wrapping at {}; its turn over {} steps is the {shows},",
+            "{name}: {} counts a turn, wrapping at {}; its turn over {} steps is the {shows} of",
             ShortestDecimal::new(encoder.counts_per_turn).text,
             numbers.wrap,
             numbers.window
         ),
         format!(
-            "which is {} s old. A step that turns by {} counts more than the one before is no motion.",
+            "{} s ago. A turn that differs from the turn of the step before by more than {} counts is a fault.",
             ShortestDecimal::new(0.5 * f64::from(encoder.window) * sample_time_s).text,
             numbers.jump
         ),

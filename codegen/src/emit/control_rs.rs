@@ -78,12 +78,12 @@ fn module_docs(spec: &ModuleSpec, law: &IntegerLaw) -> Vec<String> {
         String::new(),
         "# Arithmetic".to_owned(),
         format!(
-            "The three products have {} fraction bits each and add up exactly in 64 bits, for every bit",
+            "The three products have {} fraction bits each. Their sum is exact in 64 bits for every bit",
             law.product_fraction_bits
         ),
-        "pattern of the inputs: no word exceeds 2^31 in magnitude, and the assertion below adds up what"
+        "pattern of the inputs: no word exceeds 2^31 in magnitude, and the assertion below bounds the"
             .to_owned(),
-        "that can amount to. The sum is rounded once, to the nearest unit of"
+        "sum by that. It is rounded once, to the nearest unit of"
             .to_owned(),
         "[`Current`], halves upward, and then clamped.".to_owned(),
         String::new(),
@@ -169,7 +169,7 @@ fn gain_constant(term: &Term) -> TokenStream {
         ),
         String::new(),
         format!(
-            "Off by {} {}, which is {} A at the end of the range of `{}`.",
+            "Rounding error {} {}: {} A at the end of the range of `{}`.",
             outward(&gain.error, 3),
             gain.unit,
             outward(&(&gain.error * &term.input.range.value), 3),
@@ -186,7 +186,7 @@ fn gain_constant(term: &Term) -> TokenStream {
 
 fn rounding_items(law: &IntegerLaw) -> TokenStream {
     let shift_docs = outer_docs(&[format!(
-        "Bits that the rounding removes: {} of a product less {} of a [`Current`].",
+        "Number of bits that the rounding removes: {} of a product minus {} of a [`Current`].",
         law.product_fraction_bits, law.current.fraction_bits
     )]);
     let shift = integer(law.shift.into());

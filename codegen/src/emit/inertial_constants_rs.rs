@@ -27,7 +27,7 @@ pub(super) fn tokens(
     let number = |value: f64| ShortestDecimal::new(value).text;
     let hardware = &spec.hardware;
     let docs = inner_docs(&[
-        "Numbers of this bench: sensors, mounting, converter and drive.",
+        "Constants of this bench: sensors, mounting, converter and drive.",
         "",
         "Each word is the real number rounded once to the format stated at its field.",
         "",
@@ -50,7 +50,7 @@ pub(super) fn tokens(
             number(attitude.beta_rad_s)
         ),
         format!(
-            "The correction has one size: at rest the estimate ripples by up to 2 beta T = {:.2e} rad.",
+            "Every correction has the same size: at rest the estimate ripples by up to 2 beta T = {:.2e} rad.",
             2.0 * attitude.beta_rad_s * spec.sample_time_s
         ),
         String::new(),
@@ -62,13 +62,13 @@ pub(super) fn tokens(
             number(attitude.lever_arm_m[1])
         ),
         format!(
-            "The gyroscope's drift is followed within {} s, up to {} rad/s.",
+            "The gyroscope's drift is estimated with a time constant of {} s, up to {} rad/s.",
             number(attitude.drift_time_s),
             number(attitude.drift_limit_rad_s)
         ),
         String::new(),
         format!(
-            "Unknown at or beyond: accelerometer {} counts, magnetometer {} counts.",
+            "Ends of the ranges: accelerometer {} counts, magnetometer {} counts. Readings there are not used.",
             counts(attitude.accel_clip),
             counts(attitude.mag_clip)
         ),
@@ -111,7 +111,7 @@ pub(super) fn tokens(
                 number(observer.limit_rad)
             ),
             String::new(),
-            "The certificate's claims about the closed loop are about `control` without it; the checker"
+            "The certificate's claims about the closed loop hold for `control` without this observer; the checker"
                 .to_owned(),
             "shows that the loop with it is stable (`bias-observer-stable`).".to_owned(),
         ],
@@ -139,7 +139,7 @@ pub(super) fn tokens(
         pub const ANGLE_MAX: i32 = #angle_max;
         #angle_docs
         pub const ANGLE_FACTOR: i32 = #angle_factor;
-        /// Bits that the word of the angle has less than Q28.
+        /// Number of bits by which the word of the angle has fewer fraction bits than Q28.
         pub const ANGLE_SHIFT: u32 = #angle_shift;
         #rate_docs
         pub const RATE_LINE: Line = #rate_line;

@@ -20,7 +20,7 @@ const MONITOR_EXAMPLE: [&str; 19] = [
     "let (mut controller, mut monitor) = (Controller::new(), Monitor::new());",
     "let sample = Sample { gyro: [0; 3], accel: [0; 3], mag: None, WHEEL: 0 };",
     "let duty = controller.step(&sample);",
-    "// Whether the wheel and the body move as the model allows after the duties that were sent.",
+    "// Whether wheel and body move as the model predicts for the duties that were sent.",
     "let is_running = controller.status() == Status::Running;",
     "let (angle, rate) = (controller.attitude().angle(), controller.attitude().rate());",
     "if !monitor.allows(is_running, angle, rate, wheel_speed(sample.WHEEL), duty) {",
@@ -28,8 +28,8 @@ const MONITOR_EXAMPLE: [&str; 19] = [
     "}",
     "```",
     "",
-    "A wheel that does not answer, a sign that is wrong or a motor that is stuck ends the motion that",
-    "the model allows, before the body leans far.",
+    "The monitor notices a wheel that does not respond, a wrong sign or a motor that is stuck before the",
+    "body leans far.",
 ];
 
 /// Emits `src/lib.rs`.
@@ -41,13 +41,15 @@ pub fn file(spec: &ModuleSpec, name: &CrateName, has_monitor: bool) -> EmittedFi
             "Emitted from the model `{}`. It needs no floating point, no heap and nothing but `core`",
             single_line(&spec.model_name)
         ),
-        "and `fixed`; no input of whatever value makes it panic. `certificate.json` beside this"
+        "and `fixed`, and it panics for no input. `certificate.json` beside this crate states every claim"
             .to_owned(),
-        "crate states everything that is claimed of it, so that it can be checked without the"
-            .to_owned(),
-        "generator.".to_owned(),
+        "about it, so that the claims can be checked without the generator.".to_owned(),
         String::new(),
-        "# What the words mean".to_owned(),
+        "A *word* is an integer that stands for a quantity: its value times a power of two. \"In Q28\""
+            .to_owned(),
+        "means times 2²⁸.".to_owned(),
+        String::new(),
+        "# Sensors and drive".to_owned(),
     ];
     let list = |lines: &mut Vec<String>, sentences: &[String]| {
         let items = sentences.iter();
@@ -57,13 +59,16 @@ pub fn file(spec: &ModuleSpec, name: &CrateName, has_monitor: bool) -> EmittedFi
     if !spec.assumed.is_empty() {
         lines.push(String::new());
         lines.push("# Assumed".to_owned());
-        lines.push("The model does not state these; they are those of another bench:".to_owned());
+        lines.push(
+            "The model does not state these values. They are the values of another bench:"
+                .to_owned(),
+        );
         list(&mut lines, &spec.assumed);
     }
     lines.extend(["", "# Use", "", "```"].map(str::to_owned));
     let parts = spec.parts();
     lines.extend(example::lines(name, &parts));
-    let closing = "`status()` says why there is no current; a trip lasts until `arm()` succeeds.";
+    let closing = "`status()` says why there is no current. A trip lasts until `arm()` succeeds.";
     lines.extend(["```", "", closing].map(str::to_owned));
     let mut monitor_use = quote!();
     if has_monitor {

@@ -30,10 +30,10 @@ In its loop:
 {example}
 ```
 
-- `cargo doc --open` in this folder shows what each word means, and which sensors and which drive it is for.
+- `cargo doc --open` in this folder shows the sensors and the drive that it is made for, and the unit of each number.
 - `cargo test` in this folder compiles and runs the example above.
-- The limits at which the controller lets the motor go stand in `src/constants.rs`, under "When the controller is armed and when it trips".
-- `certificate.json` states what is claimed of this crate; `flywheel prove` checks it from these files alone.
+- `src/constants.rs` states when the controller can be armed and when it trips (zero current).
+- `certificate.json` states the claims about this crate. `flywheel prove` checks them from these files alone.
 
 Do not change a file here by hand. Change `model.toml` or `bench.toml` and run `flywheel generate` again.
 "#

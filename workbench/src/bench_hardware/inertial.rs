@@ -194,7 +194,7 @@ impl Work<'_> {
             None => preset_name.to_owned(),
         };
         self.registers.push(format!(
-            "{name}: {part}; unknown from {} counts on",
+            "{name}: {part}; saturated from {} counts on",
             clip.map(|counts| counts.to_string()).join(", ")
         ));
         Some((line, clip))

@@ -67,7 +67,7 @@ impl Work<'_> {
     ) -> Result<WheelLine, HardwareError> {
         let end = ends(scale, i16::MAX.into(), largest_rad_s, drive)?;
         self.registers.push(format!(
-            "wheel speed: the driver's signed 16-bit word, {} rad/s per unit; unknown from {end} units on, {} rad/s",
+            "wheel speed: the driver's signed 16-bit word, {} rad/s per unit; saturated from {end} units on, {} rad/s",
             significant(scale, 6),
             significant(f64::from(end) * scale.abs(), 6)
         ));
@@ -97,7 +97,7 @@ impl Work<'_> {
         let end = ends(slope, encoder.most_counts(), largest_rad_s, drive)?;
         self.registers.push(format!(
             "wheel speed: encoder counts 0 to {}, {} a turn, turned over {window} samples: {} rad/s per count, {} s \
-             late; unknown from {} rad/s on",
+             late; saturated from {} rad/s on",
             encoder.wrap() - 1,
             significant(encoder.counts_per_turn, 6),
             significant(slope, 4),
