@@ -41,6 +41,7 @@ mod toml_section;
 mod toml_source;
 mod toml_writing;
 mod units_in_text;
+mod verdict_section;
 mod write;
 
 pub use bench::{Bench, Controller};

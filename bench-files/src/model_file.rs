@@ -20,6 +20,7 @@ use crate::own_effect::OwnEffect;
 use crate::parameter::Parameter;
 use crate::toml_source::TomlSource;
 use crate::toml_writing::table_in;
+use crate::verdict_section;
 use crate::write::write_atomically;
 
 /// The sections of a model.toml; `tool` belongs to other programs and is kept unchanged.
@@ -56,6 +57,9 @@ pub struct ModelFile {
     pub calibration: Option<Calibration>,
     /// The bench's sensors and its drive, as bench.toml states them.
     pub hardware: Option<Hardware>,
+    /// The verdict of the last diagnosis in one sentence, if it found these parameters unable to explain the logs.
+    /// Other parameters remove it.
+    pub unexplained: Option<String>,
     /// Where the file was read from.
     path: Option<PathBuf>,
     /// The text as it was read; it holds everything that the fields above do not.
@@ -79,6 +83,7 @@ impl PartialEq for ModelFile {
             && self.design == other.design
             && self.calibration == other.calibration
             && self.hardware == other.hardware
+            && self.unexplained == other.unexplained
     }
 }
 
@@ -95,6 +100,7 @@ impl ModelFile {
             design: None,
             calibration: None,
             hardware: None,
+            unexplained: None,
             path: None,
             document: DocumentMut::new(),
         }
@@ -193,6 +199,7 @@ impl ModelFile {
             design,
             calibration,
             hardware: Hardware::read(source, &root)?,
+            unexplained: verdict_section::read(document.as_table()),
             path: Some(source.path().to_path_buf()),
             document: source.parse()?.into_mut(),
         })
@@ -227,6 +234,7 @@ impl ModelFile {
         correlation: Option<Correlation>,
     ) {
         self.correlation = correlation;
+        self.unexplained = None;
         self.parameters.retain(Parameter::is_beside_the_motion);
         let beside = std::mem::replace(&mut self.parameters, parameters);
         for parameter in beside {
@@ -386,6 +394,7 @@ impl ModelFile {
             }
             Some(hardware) => hardware.write(root),
         }
+        verdict_section::write(root, self.unexplained.as_deref());
         document.to_string()
     }
 

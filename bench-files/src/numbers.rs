@@ -33,10 +33,16 @@ pub fn number(value: f64) -> String {
     significant(value, DIGITS)
 }
 
-/// A fit in percent with at most four digits; a dash if there is none, as for a constant signal.
+/// Below this fit, in %, the prediction is off by more than ten times the scatter of the signal: it follows nothing.
+const DIVERGED: f64 = -900.0;
+
+/// A fit in percent with at most four digits; a dash if there is none, as for a constant signal, and "diverged" for a
+/// prediction that left the signal altogether.
 pub fn fit_percent(value: f64) -> String {
     if !value.is_finite() {
         "–".to_owned()
+    } else if value < DIVERGED {
+        "diverged".to_owned()
     } else if value.abs() < 99.995 {
         format!("{value:.2} %")
     } else {
@@ -157,7 +163,8 @@ mod tests {
             (99.204, "99.20 %"),
             (100.0, "100 %"),
             (-12.3456, "-12.35 %"),
-            (-123_456.0, "-123500 %"),
+            (-623.456, "-623.5 %"),
+            (-123_456.0, "diverged"),
             (f64::NAN, "–"),
             (f64::NEG_INFINITY, "–"),
         ] {

@@ -246,7 +246,7 @@ fn fitted(
 }
 
 /// The coordinate of a learned effect.
-fn coordinate_of(effect: EffectId) -> Option<LearnedCoordinate> {
+pub(crate) fn coordinate_of(effect: EffectId) -> Option<LearnedCoordinate> {
     effect.info().learned.map(|curve| curve.coordinate)
 }
 
@@ -279,7 +279,7 @@ const SAME_COST: f64 = 1e-9;
 
 /// All statements about a minimum, for a problem whose windows suit the model. `fit` is the minimum with its standard
 /// errors, if they are known.
-fn identification(
+pub(crate) fn identification(
     problem: &FitProblem,
     model: &Model,
     minimum: Minimum,

@@ -16,6 +16,7 @@
 //! | `learned` | the missing torque as a curve, and its fit together with everything else |
 //! | `extension` | from the minimum of a model to that of a larger one |
 //! | `identification`, `statements` | the complete result for a bench, with all statements about it |
+//! | `neighbour` | a fit that also starts from the minimum of a model with an effect more or less |
 
 mod bench;
 mod errors;
@@ -26,6 +27,7 @@ mod fourier;
 mod identification;
 mod learned;
 mod model_free;
+mod neighbour;
 mod progress;
 mod records;
 mod residuals;
@@ -52,6 +54,7 @@ pub use learned::{CurvePoint, MissingCurve, best_missing_curve, missing_curve};
 pub use model_free::{
     AtAmplitude, DecayLaw, Estimate, FreeDecay, RateAgainstAngle, decay, rate_against_angle,
 };
+pub use neighbour::fit_from_neighbour;
 pub use progress::{Cancelled, Progress};
 pub use records::{
     BALANCE_WINDOW_S, Output, Record, RecordedChannel, RecordedCurrent, angle_samples, bumps,

@@ -99,7 +99,7 @@ pub fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> 
         .filter_map(|key| {
             let &(experiment, channel, residual, coordinate) = key;
             let unit = match residual {
-                ResidualKind::ResidualTorque => torque_unit(first),
+                ResidualKind::ResidualTorque => first.torque_unit(channel),
                 ResidualKind::Output => {
                     let mut outputs = Output::ALL.into_iter();
                     outputs.find(|output| output.name() == channel)?.unit()
@@ -120,14 +120,6 @@ pub fn reasons(first: &ComparisonReport, last: &ComparisonReport) -> Vec<Value> 
             }))
         })
         .collect()
-}
-
-fn torque_unit(of: &ComparisonReport) -> &'static str {
-    if of.per_unit_of_inertia {
-        "N m per kg m2"
-    } else {
-        "N m"
-    }
 }
 
 fn part_in_words(residual: ResidualKind, part: TorquePart) -> String {

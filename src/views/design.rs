@@ -23,6 +23,9 @@ pub fn text(report: &DesignReport) -> String {
         Some(speed) => format!("Coulomb friction of the pivot enters as μ / {speed} rad/s\n"),
         None => "Coulomb friction is not in the linear model\n".to_owned(),
     });
+    for caution in &report.cautions {
+        text.push_str(&format!("Caution: {caution}\n"));
+    }
     text.push_str(&linear_model(report));
     text.push_str(&poles(report));
     text.push_str(&margins(report));
@@ -232,7 +235,9 @@ fn friction(report: &DesignReport) -> String {
         ),
     };
     format!(
-        "\nThe same gains at both extremes of Coulomb friction\n{}{hunting}\n",
+        "\nThe same gains at both extremes of Coulomb friction\n{}  dry friction acts like the first row in a large motion, and \
+         like the second in a very\n  small one. A second row that is unstable makes the pendulum hunt around upright; it \
+         does not fall\n{hunting}\n",
         table.text()
     )
 }

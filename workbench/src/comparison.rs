@@ -187,6 +187,18 @@ pub(crate) struct Said {
 }
 
 impl ComparisonReport {
+    /// The unit of a missing torque in the residual of this channel: per kg m² if the bench does not determine the inertia
+    /// on which the torque acts.
+    pub fn torque_unit(&self, channel: &str) -> &'static str {
+        let inertia = match channel {
+            "wheel_speed" => "wheel_inertia",
+            _ => "total_inertia",
+        };
+        let mut parameters = self.parameters.iter();
+        let is_open = parameters.any(|one| one.name == inertia && one.is_per_inertia());
+        if is_open { "N m per kg m2" } else { "N m" }
+    }
+
     pub(crate) fn new(
         bench: &Bench,
         problem: &FitProblem,
@@ -418,7 +430,7 @@ pub(crate) fn parameters_of(problem: &FitProblem, fit: &Fit) -> Vec<Parameter> {
                     .map(|record| record.name.as_str())
                     .collect::<Vec<_>>()
                     .join(", "),
-                None if given && unit.ends_with("per kg m2") => {
+                None if given && unit == "kg m2 per kg m2" => {
                     "set to 1: torques are per unit of inertia".to_owned()
                 }
                 None if given => "[known] in bench.toml".to_owned(),

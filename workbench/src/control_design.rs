@@ -9,6 +9,7 @@ use plant::{EffectId, LinearModel, Linearised, Model, Smoothing};
 
 use crate::error::Error;
 use crate::session::Session;
+use crate::words;
 
 /// A model with its linear-quadratic controller.
 ///
@@ -90,6 +91,7 @@ impl ControlDesign {
         let model = file.model();
         let values = file.parameter_vector()?;
         let path = file.path().to_path_buf();
+        refuse_open_scale(&file)?;
         let iota = wishes.friction_linearisation_speed_rad_s;
         let model_upright = file.model_upright();
         let upright = |iota| {
@@ -142,6 +144,24 @@ impl ControlDesign {
     /// name for a model in memory.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Reasons to distrust the model, one sentence each: an open tie, or an error that the last diagnosis could not
+    /// explain.
+    pub(crate) fn cautions(&self) -> Vec<String> {
+        let tie = self.file.tie.as_ref().map(|tie| {
+            let names = words::set(tie.provisional.iter().map(|effect| effect.name()));
+            format!(
+                "the model uses {names} provisionally: the logs cannot tell it from its rivals. `flywheel diagnose` names \
+                 the experiment that can"
+            )
+        });
+        let verdict = self.file.unexplained.as_ref().map(|sentence| {
+            format!(
+                "the last diagnosis does not explain the measurements, and the controller inherits this error. {sentence}"
+            )
+        });
+        tie.into_iter().chain(verdict).collect()
     }
 
     /// The model's file.
@@ -250,4 +270,28 @@ fn linearise(
     let value_of = |name: &str| model.position_of(name).map_or(0.0, |at| values[at]);
     let values: Vec<f64> = infos.iter().map(|info| value_of(info.name)).collect();
     plant::linearise(upright, &values, PI, iota).map_err(|error| error.to_string())
+}
+
+/// Rejects a model whose inertias are not known on one scale. If no log relates the wheel to the body, one of them was
+/// set to 1, and no motion of both together can be computed.
+///
+/// # Errors
+/// [`Error::OpenScale`].
+fn refuse_open_scale(file: &ModelFile) -> Result<(), Error> {
+    let inertias = ["total_inertia", "wheel_inertia"].map(|name| file.parameter(name));
+    let [Some(total), Some(wheel)] = inertias else {
+        return Ok(());
+    };
+    let is_set_to_one = wheel.is_per_inertia() && wheel.std.is_none() && wheel.value == 1.0;
+    if total.is_per_inertia() == wheel.is_per_inertia() && !is_set_to_one {
+        return Ok(());
+    }
+    let open = [total, wheel]
+        .into_iter()
+        .filter(|one| one.is_per_inertia());
+    let names: Vec<&str> = open.map(|one| one.name.as_str()).collect();
+    Err(Error::OpenScale {
+        model: file.path().to_path_buf(),
+        unknown: names.join(" and "),
+    })
 }

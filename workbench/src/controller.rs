@@ -110,7 +110,9 @@ impl ControlDesign {
         hardware: BenchHardware,
         options: &EmissionOptions,
     ) -> Result<GeneratedController, Error> {
-        let (assumed, warnings) = (hardware.assumed.clone(), hardware.warnings.clone());
+        let assumed = hardware.assumed.clone();
+        let mut warnings = self.cautions();
+        warnings.extend(hardware.warnings.iter().cloned());
         let spec = self.module_spec_with(hardware)?;
         let emitted = codegen::generate_with(&spec, options).map_err(|source| Error::Refused {
             model: self.path(),

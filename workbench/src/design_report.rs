@@ -36,6 +36,9 @@ pub struct DesignReport {
     pub effects: Vec<String>,
     /// Its parameters.
     pub parameters: Vec<Parameter>,
+    /// Reasons to distrust the model, one sentence each: an open tie, or an error that the last diagnosis could not
+    /// explain.
+    pub cautions: Vec<String>,
     /// Time between two commands, s.
     pub sample_time_s: f64,
     /// Diagonal of Q: weights of angle, rate and wheel speed in 1/s per rad², (rad/s)², (rad/s)².
@@ -245,6 +248,7 @@ impl ControlDesign {
             model: self.name().to_owned(),
             effects: effect_names(self.model()),
             parameters: self.file().parameters.clone(),
+            cautions: self.cautions(),
             sample_time_s: wishes.sample_time_s,
             state_weights: wishes.state_weights,
             current_weight: wishes.current_weight,

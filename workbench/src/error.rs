@@ -144,6 +144,21 @@ pub enum Error {
         /// The reason.
         reason: String,
     },
+    /// An inertia was set to 1, because the bench does not determine it.
+    #[error(
+        "{}: a design needs the inertias in kg m2, and the bench does not determine {unknown} (the file has 1, which \
+         fixes the scale of the torques only). State it under [known] of bench.toml. Or let the logs show it: \
+         total_inertia follows from masses and lengths or gravity_torque under [known]; wheel_inertia follows from \
+         torque_constant under [known] and a spin-up with its current (a column, or `constants = {{ current = 0.6 }}`). \
+         Then run `flywheel identify` again",
+        model.display()
+    )]
+    OpenScale {
+        /// The model's file.
+        model: PathBuf,
+        /// The inertias that are not determined.
+        unknown: String,
+    },
     /// No controller can be designed for this model with these weights.
     #[error("{}: {source}", model.display())]
     Design {

@@ -2,13 +2,13 @@
 //! comparison of the model with them.
 
 use ::data_check::Finding;
-use identify::{Contradiction, Progress, PushModel};
+use identify::{Contradiction, Identification, Progress, PushModel};
 use plant::Model;
 use serde::{Deserialize, Serialize};
 
 use crate::comparison::{BenchNote, Compared, ComparisonReport, LoggedExperiment, Said, notes};
 use crate::error::Error;
-use crate::predictor::with_changes;
+use crate::predictor::{Started, with_changes};
 use crate::session::Session;
 
 /// The condition of the data, before anything is concluded from them.
@@ -123,6 +123,52 @@ impl Session {
         progress: &Progress,
     ) -> Result<ComparisonReport, Error> {
         let found = self.fit(model, progress)?;
+        let comparison = self.comparison_of(&found);
+        progress.check()?;
+        self.adopt(found);
+        Ok(comparison)
+    }
+
+    /// The fit of the session's model. It continues from the values of the model file, if this file has them: the fit
+    /// that a diagnosis has found is not lost.
+    pub(crate) fn present_fit(
+        &self,
+        model: &Model,
+        progress: &Progress,
+    ) -> Result<Identification, Error> {
+        let is_stored = self.model().is_some_and(|file| file.model() == *model);
+        let has_curve = model.learned().next().is_some();
+        if !is_stored || has_curve || self.is_fitted(model) {
+            return self.fit(model, progress);
+        }
+        let Started { minimum, .. } = match self.started(progress) {
+            Ok(started) => started,
+            Err(Error::Cancelled(cancelled)) => return Err(Error::Cancelled(cancelled)),
+            // The file lacks a value that this bench needs.
+            Err(_) => return self.fit(model, progress),
+        };
+        let previous = Some((minimum.values, minimum.windows));
+        (progress.say)("fitting the model to all experiments");
+        let found = identify::fit_until(self.problem(), model, previous, progress);
+        let is_good = |found: &Identification| self.refuse_failed(found).is_ok();
+        match found.map_err(|source| self.not_identified(source)) {
+            Ok(found) if is_good(&found) => Ok(found),
+            Err(Error::Cancelled(cancelled)) => Err(Error::Cancelled(cancelled)),
+            _ => self.fit(model, progress),
+        }
+    }
+
+    /// As [`Session::identify_as`], and also from the fit of a neighbouring model.
+    pub(crate) fn identify_beside(
+        &mut self,
+        neighbour: &Identification,
+        model: &Model,
+        progress: &Progress,
+    ) -> Result<ComparisonReport, Error> {
+        (progress.say)("fitting the model to all experiments");
+        let found = identify::fit_from_neighbour(self.problem(), &neighbour.fit, model, progress)
+            .map_err(|source| self.not_identified(source))?;
+        self.refuse_failed(&found)?;
         let comparison = self.comparison_of(&found);
         progress.check()?;
         self.adopt(found);

@@ -71,9 +71,9 @@ impl Session {
         after: &Model,
         progress: &Progress,
     ) -> Result<EffectChange, Error> {
-        let old = self.fit(before, progress)?;
+        let old = self.present_fit(before, progress)?;
+        let new = self.identify_beside(&old, after, progress)?;
         let old = self.comparison_of(&old);
-        let new = self.identify_as(after, progress)?;
         let tie = self.model().and_then(|file| file.tie.as_ref());
         Ok(EffectChange {
             provisional: provisional_names(tie),

@@ -240,6 +240,12 @@ impl Session {
         Ok(found)
     }
 
+    /// Whether the session holds a fit of this model.
+    pub(crate) fn is_fitted(&self, model: &Model) -> bool {
+        let fitted = self.fitted.as_ref();
+        fitted.is_some_and(|found| found.fit.model == *model)
+    }
+
     /// A fit that has failed, as an error.
     pub(crate) fn refuse_failed(&self, found: &Identification) -> Result<(), Error> {
         identify::refuse_failed(&self.problem, &found.fit)

@@ -99,7 +99,7 @@ pub(super) const KNOWN: KeySection = KeySection {
 pub(super) const CONTROLLER: KeySection = KeySection {
     name: "controller",
     heading: "[controller]",
-    meaning: "The controller under which the balance logs were recorded: u = −K (angle − π, rate, wheel speed), clipped. Only balance logs need it.",
+    meaning: "The controller under which the balance logs were recorded: u = −K (angle − π, rate, wheel speed), clipped. It tells the check of a balance log how current and motion belong together; a balance log is also read without it.",
     keys: &[
         key(
             "gains",

@@ -8,6 +8,7 @@ mod common;
 mod contradiction;
 mod correlation;
 mod learned;
+mod neighbour;
 mod other_rig;
 mod outside;
 mod pushes;

@@ -76,7 +76,7 @@ pub(super) fn sentence(found: &Diagnosis, last: &ComparisonReport) -> String {
             format!(
                 "Unexplained: {missing} remains{}: {} times the noise of the sensor. No effect \
                  of the library accounts for this error.",
-                last.places.first().map_or(String::new(), remains_at),
+                remains_at(&last.places),
                 significant(found.remainder, 2)
             )
         }
@@ -104,15 +104,27 @@ fn until_decided(found: &Diagnosis) -> String {
         return String::new();
     }
     format!(
-        " Until an experiment decides between them, the model uses {}, the most common one ({}).",
+        " Until an experiment decides between them, the model uses {}, because this is the most common one ({}), not \
+         because it fits better.",
         names.join(" + "),
         reasons.join("; ")
     )
 }
 
-/// " at angle 0.1 to 0.2 rad in free swing 52 deg".
-fn remains_at(place: &FailurePlace) -> String {
-    format!(" at {} in {}", words::place(place), place.experiment)
+/// " at angle 0.1 to 0.2 rad in free swing 52 deg (71 % of the error of this log)": the most significant place that
+/// holds at least half of an error. Nothing if the error is spread over more than any place.
+fn remains_at(places: &[FailurePlace]) -> String {
+    let mut places = places.iter();
+    places
+        .find(|place| place.share_of_error >= 0.5)
+        .map_or(String::new(), |place| {
+            format!(
+                " at {} in {} ({:.0} % of the error of this log)",
+                words::place(place),
+                place.experiment,
+                100.0 * place.share_of_error
+            )
+        })
 }
 
 /// The effects of the last model that are not certain.

@@ -117,6 +117,8 @@ impl Session {
                     .iter()
                     .any(|effect| !was_certain.has(*effect))
             });
+            file.unexplained =
+                (report.verdict == Verdict::Unexplained).then(|| report.sentence.clone());
             let provisional = file.tie.iter().flat_map(|tie| &tie.provisional);
             applied.provisional = provisional.map(|one| one.name().to_owned()).collect();
             self.set_model(file);

@@ -175,7 +175,7 @@ impl ComparisonReport {
                 residual: figures::Quantity {
                     name: "residual",
                     unit: match part.quantity {
-                        ResidualKind::ResidualTorque => "N m",
+                        ResidualKind::ResidualTorque => self.torque_unit(channel),
                         ResidualKind::Output => {
                             Output::from_name(part.channel).map_or("", Output::unit)
                         }
