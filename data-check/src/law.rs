@@ -94,7 +94,7 @@ pub(crate) fn check(bench: &Bench, view: &View, settled: &mut Settled, out: &mut
             finding(
                 true,
                 format!(
-                    "the logged current is {} times −K x of the logged states: {likely}",
+                    "the logged current is {} times the current that the stated gains give for the logged states (−K x): {likely}",
                     short(factor)
                 ),
             )

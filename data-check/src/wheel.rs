@@ -120,7 +120,7 @@ fn sign(
     }
     // A tachometer that counts pulses does not know the direction.
     let unsigned = if is_unsigned {
-        "; or the sensor of the wheel shows no sign: then sign = { wheel_speed = -1 } is right for this log \
+        ". If the sensor of the wheel never shows a minus, the cure is instead sign = { wheel_speed = -1 } for this log \
          alone"
     } else {
         ""

@@ -114,8 +114,8 @@ pub(crate) fn statements(problem: &FitProblem, fit: &Fit) -> Vec<String> {
         let value = fit.values[position];
         if fit.minimum.on_bound[index] {
             out.push(format!(
-                "{} lies on the bound {} of its range: the logs pull it beyond, so it probably \
-                 replaces an effect that the model lacks",
+                "{} lies on the bound {} of its possible range, and the logs would fit better beyond it: the model \
+                 probably lacks an effect",
                 info.name,
                 number(value)
             ));

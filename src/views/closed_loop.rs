@@ -150,7 +150,7 @@ fn linear_model(linear: &LinearRangeReport) -> String {
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);
     let spin_up = match linear.spin_up_good_up_to_rad_s {
         Some(speed) => format!("up to {} rad/s", significant(speed, 3)),
-        None => "over the whole run".to_owned(),
+        None => "at every speed of the run".to_owned(),
     };
     let swings: Vec<String> = linear
         .free_swing_error

@@ -11,8 +11,8 @@ pub fn text(decays: &[SwingDecay]) -> String {
     let mut table = Table::new(&[
         ("experiment", Align::Left),
         ("best law for the amplitude", Align::Left),
-        ("leaves", Align::Right),
-        ("small-swing period drifts by", Align::Left),
+        ("error of the law", Align::Right),
+        ("period, small against large swings", Align::Left),
     ]);
     for decay in decays {
         let (law, rest) = match decay.laws.first() {

@@ -115,7 +115,7 @@ fn poles(report: &DesignReport) -> String {
     );
     if let Some(found) = uncertainty {
         text.push_str(if found.correlated {
-            "  with the correlations of the parameters' errors from [correlation]\n"
+            "  the errors of the parameters are correlated as [correlation] says\n"
         } else {
             "  the model has no [correlation]: the errors are treated as independent\n"
         });

@@ -482,7 +482,7 @@ pub enum Problem {
     },
     /// The angle is not counted from the hanging position.
     #[error(
-        "in this {kind} log the angle stays about {median_rad:.2} rad; it must be counted so that hanging is 0 and upright is pi: set offset = {{ angle = {offset:.8} }} at the experiment"
+        "in this {kind} log the angle stays about {median_rad:.2} rad; a {kind} log needs hanging at 0 and upright at pi (3.1416). If the file has degrees, set units = {{ angle = \"deg\" }}; if its zero is elsewhere, set offset = {{ angle = {offset:.8} }} at the experiment"
     )]
     WrongUpright {
         /// Name of the kind.

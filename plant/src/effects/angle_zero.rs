@@ -4,14 +4,14 @@ use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, ParameterInfo, Role};
 use crate::{Kind, Output, Reading, Scalar};
 
-/// measured angle = α + b of the log
+/// measured angle = α + b, one constant b for each log
 #[derive(Clone, Copy, Debug)]
 pub struct AngleZero;
 
 impl Effect for AngleZero {
     const INFO: EffectInfo = EffectInfo {
         name: "angle-zero",
-        equation: "measured angle = α + b, b of the log",
+        equation: "measured angle = α + b, one constant b for each log",
         meaning: "the angle was zeroed before each log (an incremental encoder), or the rig was moved between them",
         source: "thesis 5.1, the zero of the angle sensor; here one for each log",
         fingerprint: "each free swing settles around an angle of its own",

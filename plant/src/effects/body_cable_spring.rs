@@ -15,7 +15,7 @@ impl Effect for BodyCableSpring {
         equation: "κ (α − α₀)",
         meaning: "the supply or sensor cable bends as the body turns",
         source: "Landau & Lifshitz, Mechanics (3rd ed. 1976), § 21, a linear restoring torque",
-        fingerprint: "the rest position and the balance point are shifted, and the period changes",
+        fingerprint: "the angle at which the body hangs and the angle at which it balances both move, and the period changes",
         prior: Prior { commonness: Commonness::Occasional, reason: "where a cable bridges the pivot" },
         role: Role::Body,
         parameters: &[ParameterInfo {

@@ -21,7 +21,7 @@ impl Effect for BodySofteningSpring {
         parameters: &[ParameterInfo {
             name: "spring_softening",
             unit: "N m/rad3",
-            meaning: "cubic coefficient",
+            meaning: "coefficient of the cubic term: how much the spring softens",
             plausible: (1e-3, 1.0),
             bounds: (f64::NEG_INFINITY, f64::INFINITY),
             is_torque: true,
