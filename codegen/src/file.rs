@@ -1,5 +1,6 @@
 //! The only file that accesses the disk: writes emitted files, or compares them.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -54,11 +55,12 @@ pub enum FileError {
     },
     /// The files on disk differ from the generator's output.
     #[error(
-        "these files differ from what the generator emits: {}; run `flywheel generate` without --check to write them anew",
+        "these files differ from what the generator emits, or are of another emission: {}; run `flywheel generate` without \
+         --check to write or remove them",
         list(paths)
     )]
     Differs {
-        /// Files that are missing or differ.
+        /// Files that are missing or differ, and files of an earlier emission that the crate no longer has.
         paths: Vec<PathBuf>,
     },
 }
@@ -94,9 +96,10 @@ impl EmittedCrate {
         sources.map(|file| (file.path.as_str(), file.contents.as_str()))
     }
 
-    /// Writes the crate into `directory` (created if missing) and returns the files that changed.
+    /// Writes the crate into `directory` (created if missing), and removes the files that an earlier emission has left in
+    /// its folders. Returns the files that were written or removed.
     ///
-    /// Files with the right content are not touched. All new texts are first written beside their
+    /// Files with the right content are not touched, and neither are files of others. All new texts are first written beside their
     /// places, and renamed only when all of them are on the disk. A foreign file,
     /// a missing permission or a full disk therefore leaves everything unchanged.
     ///
@@ -117,17 +120,59 @@ impl EmittedCrate {
         let texts = changes
             .iter()
             .map(|(path, contents)| (path.as_path(), contents.as_bytes()));
+        let left_over = self.left_over(directory)?;
         atomic_files::write_all(texts).map_err(|(path, source)| FileError::Io { path, source })?;
-        Ok(changes.into_iter().map(|(path, _)| path).collect())
+        for path in &left_over {
+            fs::remove_file(path).map_err(|source| FileError::Io {
+                path: path.clone(),
+                source,
+            })?;
+        }
+        let written = changes.into_iter().map(|(path, _)| path);
+        Ok(written.chain(left_over).collect())
+    }
+
+    /// The files in the crate's folders that this program has written and that the crate does not have: those of an
+    /// emission for other sensors.
+    fn left_over(&self, directory: &Path) -> Result<Vec<PathBuf>, FileError> {
+        let own: BTreeSet<PathBuf> = self
+            .files
+            .iter()
+            .map(|file| directory.join(&file.path))
+            .collect();
+        let folders: BTreeSet<&Path> = own.iter().filter_map(|path| path.parent()).collect();
+        let mut found = Vec::new();
+        for folder in folders {
+            let at = |source| FileError::Io {
+                path: folder.to_owned(),
+                source,
+            };
+            let entries = match fs::read_dir(folder) {
+                Ok(entries) => entries,
+                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+                Err(error) => return Err(at(error)),
+            };
+            for entry in entries {
+                let path = entry.map_err(at)?.path();
+                if own.contains(&path) || !path.is_file() {
+                    continue;
+                }
+                if read(&path)?.is_some_and(|text| text.contains(MARK)) {
+                    found.push(path);
+                }
+            }
+        }
+        found.sort();
+        Ok(found)
     }
 
     /// Compares `directory` with the files that [`EmittedCrate::write`] would leave there.
     ///
     /// # Errors
-    /// [`FileError::Differs`] with every file that is missing or differs, [`FileError::Io`] if one
-    /// cannot be read.
+    /// [`FileError::Differs`] with every file that is missing, differs, or is left over from another emission;
+    /// [`FileError::Io`] if one cannot be read.
     pub fn check(&self, directory: &Path) -> Result<(), FileError> {
-        let mut paths = Vec::new();
+        let mut paths = self.left_over(directory)?;
         for file in &self.files {
             let path = directory.join(&file.path);
             if read(&path)?.as_deref() != Some(file.contents.as_str()) {

@@ -136,7 +136,9 @@ pub fn search(
     for depth in 1..=MOST_EFFECTS {
         for &index in &beam {
             let names = names(&pool[index].added);
-            (progress.say)(&format!("search: the model has {names}; trying each further effect"));
+            (progress.say)(&format!(
+                "search: the model has {names}; trying each further effect"
+            ));
             extended.push(pool[index].set());
         }
         let most = if depth == 1 { MOST_FITS } else { MOST_FITS / 2 };

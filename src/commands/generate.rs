@@ -69,7 +69,7 @@ struct Generated<'a> {
     controller: &'a GeneratedController,
     out: PathBuf,
     files: Vec<PathBuf>,
-    /// Files that were written; without meaning under --check.
+    /// Files that were written, and files of an earlier emission that were removed; without meaning under --check.
     changed: Vec<PathBuf>,
     /// Files that are not as emitted (only under --check).
     differing: Vec<PathBuf>,
@@ -109,6 +109,9 @@ pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
                 "unchanged"
             };
             text.push_str(&format!("  {state}  {}\n", path.display()));
+        }
+        for path in changed.iter().filter(|path| !files.contains(path)) {
+            text.push_str(&format!("  removed    {}\n", path.display()));
         }
     }
     let is_as_emitted = differing.is_empty();

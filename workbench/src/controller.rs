@@ -164,7 +164,8 @@ impl GeneratedController {
         self.emitted.0.sources()
     }
 
-    /// Writes the crate into a folder (created if missing), and returns the files that changed.
+    /// Writes the crate into a folder (created if missing), removes the files that an earlier emission has left there, and
+    /// returns the files that were written or removed.
     ///
     /// # Errors
     /// [`Error::EmittedFiles`] if a file is in the way that this program did not write, or the folder
@@ -173,8 +174,8 @@ impl GeneratedController {
         Ok(self.emitted.0.write(folder)?)
     }
 
-    /// The files of a folder that are missing, or differ from those that [`GeneratedController::write`] would
-    /// write.
+    /// The files of a folder that are missing, differ from those that [`GeneratedController::write`] would write, or
+    /// are left over from another emission.
     ///
     /// # Errors
     /// [`Error::EmittedFiles`] if one cannot be read.

@@ -205,12 +205,24 @@ const PIVOT_ENCODER: [Key; 5] = joined(
 
 /// Which kind of wheel speed sensor this is.
 const fn speed_kind(example: &'static str) -> Key {
-    key("kind", "", NEEDED, example, "how the controller gets the speed: through a converter, from an encoder, or from the motor's driver")
+    key(
+        "kind",
+        "",
+        NEEDED,
+        example,
+        "how the controller gets the speed: through a converter, from an encoder, or from the motor's driver",
+    )
 }
 
 /// Which kind of angle sensor this is.
 const fn angle_kind(example: &'static str) -> Key {
-    key("kind", "", NEEDED, example, "how the controller gets the angle: from gyroscope and accelerometer, or from an encoder on the pivot")
+    key(
+        "kind",
+        "",
+        NEEDED,
+        example,
+        "how the controller gets the angle: from gyroscope and accelerometer, or from an encoder on the pivot",
+    )
 }
 
 /// Two lists of keys as one of `ALL` keys.

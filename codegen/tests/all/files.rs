@@ -83,6 +83,28 @@ fn a_file_of_somebody_else_is_left_alone_with_everything_beside_it() {
     assert_eq!(names(directory.path()), ["Cargo.toml"]);
 }
 
+/// The crate of a bench with other sensors has other files. What it leaves behind would be a file of no module.
+#[test]
+fn files_of_another_emission_are_found_and_removed() {
+    let directory = tempfile::tempdir().unwrap();
+    let out = directory.path();
+    let emitted = emitted();
+    emitted.write(out).unwrap();
+    let lib = fs::read_to_string(out.join("src/lib.rs")).unwrap();
+    let stale = out.join("src/encoder_of_another_bench.rs");
+    fs::write(&stale, lib).unwrap();
+    let notes = out.join("src/notes.txt");
+    fs::write(&notes, "of the user").unwrap();
+    let error = emitted.check(out).unwrap_err();
+    assert!(
+        error.to_string().contains("encoder_of_another_bench.rs"),
+        "{error}"
+    );
+    assert_eq!(emitted.write(out).unwrap(), [stale.clone()]);
+    assert!(!stale.exists() && notes.exists());
+    emitted.check(out).unwrap();
+}
+
 #[test]
 fn an_error_leaves_no_file_behind() {
     let directory = tempfile::tempdir().unwrap();
