@@ -201,7 +201,9 @@ fn shorter_or_slower(longest_s: f64, current_weight: f64, larger_weight: Option<
     if longest_s < SHORTEST_ADVISED_S {
         format!("use {slower}")
     } else {
-        format!("use a sample time of at most {longest_s} s, or {slower}")
+        format!(
+            "use a sample time of at most {longest_s} s (a shorter one leaves more margin), or {slower}"
+        )
     }
 }
 

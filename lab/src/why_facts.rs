@@ -46,7 +46,7 @@ pub fn fingerprint(found: &EffectFingerprint) -> Value {
             "channel": torque.channel,
             "residual": part_in_words(ResidualKind::ResidualTorque, torque.part),
             "is_torque": true,
-            "unit": torque_unit(&found.without),
+            "unit": found.without.torque_unit(torque.channel),
             "coordinate": words::spoken(torque.coordinate.name()),
             "coordinate_unit": torque.coordinate.unit(),
             "before": torque.without,

@@ -171,8 +171,8 @@ fn suspects(report: &DiagnosisReport) -> String {
 
 fn design_text(designed: &DesignReport) -> String {
     format!(
-        "\n4  flywheel design: linear-quadratic law every {} s\n   u = −K x, K = ({}); recovers from \
-         {} at most\n",
+        "\n4  flywheel design: linear-quadratic law every {} s\n   u = −K x, K = ({}); the largest \
+         current holds the body at up to {}\n",
         designed.sample_time_s,
         designed.gains.map(|gain| significant(gain, 6)).join(", "),
         degrees(designed.recovery_angle_rad),

@@ -120,10 +120,18 @@ fn poles(report: &DesignReport) -> String {
             "  the model has no [correlation]: the errors are treated as independent\n"
         });
         text.push_str(&format!(
-            "  {} of {} parameter sets drawn within their standard errors leave the loop stable\n",
+            "  {} of {} parameter sets drawn from the distribution of their errors leave the loop stable\n",
             found.stable(),
             found.drawn
         ));
+        let exact = report.parameters.iter().filter(|one| one.std.is_none());
+        let exact: Vec<&str> = exact.map(|one| one.name.as_str()).collect();
+        if !exact.is_empty() {
+            text.push_str(&format!(
+                "  taken as exact, because the model states no standard error: {}\n",
+                exact.join(", ")
+            ));
+        }
     }
     text
 }
@@ -227,9 +235,9 @@ fn friction(report: &DesignReport) -> String {
     table.row(row("none", none));
     table.row(row("all of it, as damping", all));
     let hunting = match &report.hunting {
-        None => "  dry friction maintains no oscillation around upright".to_owned(),
+        None => "  dry friction causes no limit cycle around upright".to_owned(),
         Some(swing) => format!(
-            "  dry friction maintains an oscillation of ±{}° at {} Hz around upright (describing function)",
+            "  dry friction causes a limit cycle of ±{}° at {} Hz around upright (describing function)",
             significant(swing.angle_rad.to_degrees(), 2),
             significant(swing.frequency_rad_s / std::f64::consts::TAU, 2)
         ),

@@ -12,7 +12,7 @@ pub fn expectations(found: &LoopExpectations) -> String {
     let mut table = Table::without_head(&[Align::Left, Align::Left]);
     let allowed = &found.excursions;
     table.row([
-        "the weights allow at equal cost (Bryson)".to_owned(),
+        "values that cost as much as each other (Bryson)".to_owned(),
         format!(
             "{} rad, {} rad/s, wheel {} rad/s, {} A",
             significant(allowed.angle_rad, 3),
@@ -76,7 +76,7 @@ pub fn expectations(found: &LoopExpectations) -> String {
             .collect();
         table.row(["noise of the sensors".to_owned(), sensors.join("; ")]);
         table.row([
-            "what it does".to_owned(),
+            "motion by this noise (standard deviation)".to_owned(),
             format!(
                 "angle ±{}, wheel ±{}, current ±{}",
                 with_prefix(noise.angle_rad, "rad"),
@@ -184,7 +184,7 @@ fn sample_time(row: &SampleTimeRow) -> [String; 7] {
         of(&|point| with_prefix(point.noise_current_a, "A")),
         predicting,
         if row.sensible {
-            "makes sense".to_owned()
+            "suitable".to_owned()
         } else {
             row.why.clone()
         },

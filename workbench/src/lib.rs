@@ -103,6 +103,7 @@ mod remains;
 mod sensor_noise;
 mod session;
 mod shading;
+mod simulated_drive;
 mod simulated_sensors;
 mod swing_decay;
 pub mod words;

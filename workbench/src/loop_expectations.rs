@@ -19,6 +19,7 @@ use crate::control_design::ControlDesign;
 use crate::design_report::LoopMargins;
 use crate::error::Error;
 use crate::sensor_noise::BenchNoise;
+use crate::simulated_drive::{actuator_of, supplied};
 
 /// Parameter sets drawn for the bands.
 const DRAWN_SETS: usize = 200;
@@ -30,10 +31,11 @@ const POINTS: usize = 300;
 const FREQUENCIES: usize = 400;
 /// Torque of the step, as a share of the motor's largest torque. A tenth leaves nine tenths for everything else.
 const STEP_SHARE: f64 = 0.1;
-/// A response is shown over this many time constants of the loop's slowest motion: e⁻⁶ is a quarter of a per cent.
-const TIME_CONSTANTS: f64 = 6.0;
+/// A response is shown over this many time constants of the slowest motion of the loop. If all three poles coincide,
+/// e⁻¹⁰ (1 + 10 + 50) = 0.3 % of the motion then remains.
+const TIME_CONSTANTS: f64 = 10.0;
 /// Shortest and longest duration of a response, s.
-const DURATION_S: (f64, f64) = (0.5, 20.0);
+const DURATION_S: (f64, f64) = (0.5, 40.0);
 /// Resolution of the largest recoverable angle, rad: a fiftieth of a degree.
 const ANGLE_RESOLUTION_RAD: f64 = 3.5e-4;
 
@@ -137,7 +139,9 @@ impl ControlDesign {
         let (gains, sample_time_s) = (self.design().gains, self.wishes().sample_time_s);
         let controller = LinearController::state_feedback(&gains);
         let in_design = |source| self.design_error(source);
-        let plant = Plant::new(self.model(), self.values(), Kind::Balance);
+        let drive = self.drive_for_simulation();
+        let (model, values) = supplied(self.model(), self.values(), &drive);
+        let plant = Plant::new(&model, &values, Kind::Balance);
         let delay_s = settings.delay_s + plant.delay_s().unwrap_or(0.0);
         let frequencies =
             frequency_response(&a, &b, &controller, sample_time_s, delay_s, FREQUENCIES)
@@ -162,7 +166,9 @@ impl ControlDesign {
         found.stable = true;
         found.crossover_rad_s = Some(margins.crossover_rad_s).filter(|value| value.is_finite());
         found.margins = Some(LoopMargins::of(&margins));
-        found.recoverable_angle_rad = Some(self.recoverable_angle_rad(&plant, settings.delay_s)?);
+        let actuator = actuator_of(&drive);
+        found.recoverable_angle_rad =
+            Some(self.recoverable_angle_rad(&plant, actuator, settings.delay_s)?);
         let (step, push) = self.torque_answers(delay_s)?;
         (found.step, found.push) = (Some(step), Some(push));
         found.noise = Some(self.noise_expectation(delay_s, &settings.noise)?);
@@ -178,7 +184,12 @@ impl ControlDesign {
         )
     }
 
-    fn recoverable_angle_rad(&self, plant: &Plant<f64>, computation_s: f64) -> Result<f64, Error> {
+    fn recoverable_angle_rad(
+        &self,
+        plant: &Plant<f64>,
+        actuator: Actuator,
+        computation_s: f64,
+    ) -> Result<f64, Error> {
         let failed = |source| self.simulate_error(source);
         let limit_a = self.wishes().current_limit_a;
         let scale = Scale::new(self.values(), limit_a).map_err(failed)?;
@@ -186,7 +197,7 @@ impl ControlDesign {
             motion: Motion::Nonlinear(plant),
             sensors: Sensors::PERFECT,
             actuator: Actuator {
-                limit_a,
+                limit_a: actuator.limit_a.min(limit_a),
                 step_a: 0.0,
             },
             sample_time_s: self.wishes().sample_time_s,

@@ -3,10 +3,11 @@
 use plant::{Kind, Plant};
 use serde::Serialize;
 use simulate::scenario::Scale;
-use simulate::{Actuator, ClosedLoop, ExactLaw, LoopTrace, Motion, Scenario, Sensors};
+use simulate::{ClosedLoop, ExactLaw, LoopTrace, Motion, Scenario, Sensors};
 
 use crate::control_design::ControlDesign;
 use crate::error::Error;
+use crate::simulated_drive::{actuator_of, supplied};
 
 /// A run of the law in floating point on the nonlinear bench, with the noise of its sensors. For the emitted law,
 /// see [`ControlDesign::simulate`].
@@ -39,12 +40,14 @@ impl ControlDesign {
     pub fn responses(&self) -> Result<Vec<LoopResponse>, Error> {
         let failed = |source| self.simulate_error(source);
         let wishes = self.wishes();
-        let plant = Plant::new(self.model(), self.values(), Kind::Balance);
+        let drive = self.drive_for_simulation();
+        let (model, values) = supplied(self.model(), self.values(), &drive);
+        let plant = Plant::new(&model, &values, Kind::Balance);
         let scale = Scale::new(self.values(), wishes.current_limit_a).map_err(failed)?;
         let bench = ClosedLoop {
             motion: Motion::Nonlinear(&plant),
             sensors: Sensors::of_the_thesis(),
-            actuator: Actuator::OF_THE_THESIS,
+            actuator: actuator_of(&drive),
             sample_time_s: wishes.sample_time_s,
             computation_s: 0.0,
             pushes: Vec::new(),

@@ -100,6 +100,11 @@ impl ControlDesign {
             ("K", vec![self.gains().to_vec()]),
         ];
         for (name, rows) in matrices {
+            if name == "K" {
+                for line in OF_THE_GAINS {
+                    text.push_str(&format!("{} {line}\n", syntax.comment()));
+                }
+            }
             text.push_str(&syntax.matrix(name, &rows));
         }
         // Module names of both languages are letters, digits and underscores.
@@ -113,6 +118,12 @@ impl ControlDesign {
         }
     }
 }
+
+/// What the gains minimise, for a reader who computes them again.
+const OF_THE_GAINS: [&str; 2] = [
+    "K minimises the integral of x'Qx + u'Ru over time, with u held for sample_time (MATLAB: lqrd).",
+    "dlqr(Ad, Bd, Q, R) minimises a sum over the samples, which is not the same.",
+];
 
 struct Syntax {
     language: ExportLanguage,

@@ -13,9 +13,9 @@ use simulate::linear_validity::{
 use simulate::overlay::MeasuredLog;
 use simulate::scenario::Scale;
 use simulate::{
-    Actuator, ClosedLoop, ExactLaw, InterpretedController, InterpretedLaw, Motion, Paced, Push,
-    RawLoop, RawSensors, Scenario, SensorPace, Sensors, SimulateError, Transient,
-    effects_on_transient, largest_recoverable_angle, overlay, region_of_attraction,
+    ClosedLoop, ExactLaw, InterpretedController, InterpretedLaw, Motion, Paced, Push, RawLoop,
+    RawSensors, Scenario, SensorPace, Sensors, SimulateError, Transient, effects_on_transient,
+    largest_recoverable_angle, overlay, region_of_attraction,
 };
 
 use super::report::{
@@ -26,6 +26,7 @@ use crate::control_design::ControlDesign;
 use crate::error::Error;
 use crate::measured_linearity::{PERIODS, SpinUpLinearity, SwingLinearity};
 use crate::predictor::with_changes;
+use crate::simulated_drive::{actuator_of, supplied};
 use crate::simulated_sensors::sensors_of;
 
 /// Number of starts on each boundary in the search for the region of attraction.
@@ -81,7 +82,9 @@ impl ControlDesign {
         progress.check()?;
         (progress.say)("simulating");
         let values = with_changes(self.model(), self.values(), settings.parameters)?;
-        let plant = Plant::new(self.model(), &values, Kind::Balance);
+        let drive = self.drive_for_simulation();
+        let (model, supplied) = supplied(self.model(), &values, &drive);
+        let plant = Plant::new(&model, &supplied, Kind::Balance);
         let mut laws = Laws::new(self, &plant, &values, settings.seed)?;
         let assumed = laws.spec.assumed.clone();
         let runs = laws.scenarios()?;
@@ -202,7 +205,7 @@ impl<'a> Laws<'a> {
         ClosedLoop {
             motion: Motion::Nonlinear(self.plant),
             sensors: Sensors::of_the_thesis(),
-            actuator: Actuator::OF_THE_THESIS,
+            actuator: actuator_of(&self.spec.drive),
             sample_time_s: self.designed.wishes().sample_time_s,
             computation_s: 0.0,
             pushes: Vec::new(),

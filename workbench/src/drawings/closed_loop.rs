@@ -94,7 +94,7 @@ impl SimulationReport {
         let lines = |exact_y, emitted_y| {
             [
                 Line {
-                    name: "exact law",
+                    name: "law in floating point",
                     role: LineRole::Float,
                     x: &exact.time_s,
                     y: exact_y,
