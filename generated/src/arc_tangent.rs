@@ -2,7 +2,7 @@
 
 //! The angle of a two-component vector, without a division.
 //!
-//! Angles are radians in Q28: ±2π fits 32 bits, so the difference of two angles does.
+//! Angles are radians in Q28: ±2π fits 32 bits, and so does the difference of two angles within ±π.
 
 use super::product::{clamp, mul_high};
 use super::scaling::scaled_up2;
@@ -31,8 +31,8 @@ const C6: i32 = 468_103_215;
 /// 2²⁹/d for d = n/2³⁰ in [½, 1].
 ///
 /// Seed: the quadratic of least relative error (1.0 %); Newton squares it twice: 1e-4, 1e-8.
-/// Error: at most 24 units of 2⁻²⁹ (4.5e-8). The range of the contract is what the ranges of the
-/// parts imply.
+/// Error: at most 24 units of 2⁻²⁹ (4.5e-8). The contract states the range that follows from the
+/// ranges of the parts.
 #[cfg_attr(any(), kani::requires((0x2000_0000..=0x4000_0000).contains(&n)))]
 #[cfg_attr(any(), kani::ensures(|r| (-0x0c00_0000..=0x6000_0000).contains(r)))]
 #[inline]
@@ -42,8 +42,8 @@ pub fn reciprocal_q29(n: i32) -> i32 {
     refined(n, refined(n, seed))
 }
 
-/// One Newton step r ← r + r (1 − d r). The rest, at most 1.1 %, is clamped to 1/16, so that the
-/// result's range follows from that of r alone.
+/// One Newton step r ← r + r (1 − d r). 1 − d r is at most 1.1 %. It is clamped to 1/16, so that the
+/// range of the result follows from the range of r alone.
 #[cfg_attr(kani, kani::requires(
     (0x2000_0000..=0x4000_0000).contains(&n) && (-0x0c00_0000..=0x5a00_0000).contains(&r)
 ))]

@@ -24,7 +24,7 @@ pub struct Attitude {
 }
 
 impl Attitude {
-    /// Starts with the sensor's frame on the earth's (z upwards), at rest.
+    /// A filter at rest whose sensor frame coincides with the earth's frame (z upwards).
     pub const fn new() -> Self {
         Attitude {
             state: START,
@@ -32,16 +32,16 @@ impl Attitude {
         }
     }
 
-    /// Sets the attitude by the accelerometer alone; nothing changes if the reading cannot be
-    /// used. Returns whether it could.
+    /// Sets the attitude from the accelerometer alone. Nothing changes if the reading cannot be used.
+    /// Returns whether the attitude was set.
     pub fn align(&mut self, accel: [i16; 3]) -> bool {
         let (state, is_usable) = align(&self.state, accel, &FILTER);
         self.state = state;
         is_usable
     }
 
-    /// Sets the attitude by a mean reading of the accelerometer, in its calibrated units within ±2²⁹;
-    /// nothing changes if it is shorter than gravity may be.
+    /// Sets the attitude from a mean reading of the accelerometer, in its calibrated units within ±2²⁹.
+    /// Nothing changes if the reading is too short to be gravity.
     pub fn align_to(&mut self, up: [i32; 3]) {
         let within = [
             clamp(up[0], -0x2000_0000, 0x2000_0000),
@@ -56,17 +56,17 @@ impl Attitude {
         calibrate(accel, &FILTER.accel)
     }
 
-    /// Whether an accelerometer reading, without correction for motion, shows the vertical.
+    /// Whether an accelerometer reading can be used as the vertical, without a correction for motion.
     pub fn shows_gravity(&self, accel: [i16; 3]) -> bool {
         is_gravity_usable(accel, calibrate(accel, &FILTER.accel), &FILTER)
     }
 
-    /// Whether gyroscope or accelerometer is at or beyond the end of its range.
+    /// Whether the gyroscope or the accelerometer is at or beyond the end of its range.
     pub fn is_clipped(&self, gyro: [i16; 3], accel: [i16; 3]) -> bool {
         is_saturated(gyro, LIMITS.gyro_clip) || is_saturated(accel, FILTER.accel_clip)
     }
 
-    /// Whether a sample is one of a body at rest: nearly no turn, and a reading as long as gravity.
+    /// Whether a sample looks like a body at rest: nearly no turn, and a reading as long as gravity.
     pub fn is_quiet(&self, gyro: [i16; 3], accel: [i16; 3]) -> bool {
         let turn = calibrate(gyro, &FILTER.gyro);
         let squared = length_squared(calibrate(accel, &FILTER.accel));
@@ -85,8 +85,8 @@ impl Attitude {
     }
 
     /// As [`Attitude::update_imu`]; then the estimate is turned about the vertical towards magnetic north,
-    /// by at most 2 β T. Whatever the field, the body's angle about the pivot stays that of six axes, so
-    /// that the controller has no use for it: it does not call this.
+    /// by at most 2 β T. A turn about the vertical leaves the body's angle about the pivot as it is. The
+    /// controller therefore has no use for the heading and does not call this.
     pub fn update_marg(&mut self, gyro: [i16; 3], accel: [i16; 3], mag: [i16; 3]) {
         self.update_imu(gyro, accel);
         self.state = headed(&self.state, mag, &FILTER);

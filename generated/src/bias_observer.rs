@@ -2,32 +2,33 @@
 
 //! Finds a constant bias of the measured angle, which would keep the wheel turning at rest.
 //!
-//! A body that is measured to lean but does not fall shows the bias b. With y the measured state
+//! If the measured angle says that the body leans but the body does not fall, the difference is the
+//! bias b. With y the measured state
 //! (angle, rate, wheel speed) and u the current that was sent, the observer's one state z gives
 //!
 //! ```text
 //! b = z + l y,   z' = decay z + m y + f u
 //! ```
 //!
-//! (Luenberger's reduced observer; the constants come from the design.) All products have the
-//! same number of fraction bits, add up exactly in 64 bits and are rounded once.
+//! (a reduced-order Luenberger observer; the constants come from the design). All products have the
+//! same number of fraction bits. They are summed exactly in 64 bits and rounded once.
 
 /// Constants of the observer. With all zero the estimate is zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BiasObserver {
-    /// 1 on the scale that takes z to the products: a power of two, or zero.
+    /// The factor that brings z to the scale of the products: a power of two, or zero.
     pub unit: i32,
     /// Decay of z on the same scale.
     pub decay: i32,
-    /// From the words of the states to the estimate at once.
+    /// The vector l: from the words of the states to the estimate.
     pub direct: [i32; 3],
-    /// From the words of the states into z.
+    /// The vector m: from the words of the states into z.
     pub from_states: [i32; 3],
-    /// From the word of the current into z.
+    /// The factor f: from the word of the current into z.
     pub from_current: i32,
-    /// Bits that rounding a sum of products to z (Q30 rad) removes, 1 to 62.
+    /// Number of bits that rounding a sum of products to z (Q30 rad) removes, 1 to 62.
     pub state_shift: u32,
-    /// Bits that rounding a sum of products to an angle removes, 1 to 62.
+    /// Number of bits that rounding a sum of products to an angle removes, 1 to 62.
     pub angle_shift: u32,
     /// Largest estimate, in words of the angle.
     pub limit: i32,
@@ -60,7 +61,7 @@ pub fn advanced(z: i32, states: [i32; 3], current: i32, observer: &BiasObserver)
     rounded_state(sum, observer)
 }
 
-/// The z whose estimate is zero at these states: where the observer waits until it is needed.
+/// The z whose estimate is zero at these states. The observer keeps it until the motor is driven.
 #[inline]
 pub fn waiting(states: [i32; 3], observer: &BiasObserver) -> i32 {
     rounded_state(-dot(states, observer.direct), observer)

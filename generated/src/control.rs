@@ -19,9 +19,9 @@
 //! | current | ±2.2 A | `I3F29` | 1.87e-9 A |
 //!
 //! # Arithmetic
-//! The three products have 54 fraction bits each and add up exactly in 64 bits, for every bit
-//! pattern of the inputs: no word exceeds 2^31 in magnitude, and the assertion below adds up what
-//! that can amount to. The sum is rounded once, to the nearest unit of
+//! The three products have 54 fraction bits each. Their sum is exact in 64 bits for every bit
+//! pattern of the inputs: no word exceeds 2^31 in magnitude, and the assertion below bounds the
+//! sum by that. It is rounded once, to the nearest unit of
 //! [`Current`], halves upward, and then clamped.
 //!
 //! # Error of a step
@@ -62,20 +62,20 @@ pub const CURRENT_LIMIT: Current = Current::from_bits(1_073_741_824);
 
 /// -K₁ = 24.26719619675542 A/rad, as 814271985 / 2^25.
 ///
-/// Off by 1.15e-8 A/rad, which is 3.61e-8 A at the end of the range of `angle`.
+/// Rounding error 1.15e-8 A/rad: 3.61e-8 A at the end of the range of `angle`.
 pub const ANGLE_GAIN: i32 = 814_271_985;
 
 /// -K₂ = 2.129734957779981 A s/rad, as 1143392749 / 2^29.
 ///
-/// Off by -1.9e-10 A s/rad, which is -6.77e-9 A at the end of the range of `rate`.
+/// Rounding error -1.9e-10 A s/rad: -6.77e-9 A at the end of the range of `rate`.
 pub const RATE_GAIN: i32 = 1_143_392_749;
 
 /// -K₃ = 0.02258757606039341 A s/rad, as 194025801 / 2^33.
 ///
-/// Off by 5.76e-12 A s/rad, which is 3.98e-9 A at the end of the range of `wheel_speed`.
+/// Rounding error 5.76e-12 A s/rad: 3.98e-9 A at the end of the range of `wheel_speed`.
 pub const WHEEL_SPEED_GAIN: i32 = 194_025_801;
 
-/// Bits that the rounding removes: 54 of a product less 29 of a [`Current`].
+/// Number of bits that the rounding removes: 54 of a product minus 29 of a [`Current`].
 pub const SHIFT: u32 = 25;
 
 /// Half a unit of a [`Current`], on the scale of the products.

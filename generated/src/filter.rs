@@ -2,15 +2,15 @@
 
 //! One step of the attitude filter, from raw counts to the next state.
 //!
-//! Measurements that cannot be used fall back by this rule:
-//! - an accelerometer or magnetometer reading with any axis at or beyond a limit of its range is not
-//!   used;
-//! - an accelerometer vector shorter than g/8, after the lever-arm correction, is not used (free
-//!   fall, the zero vector), nor a magnetic field shorter than its stated minimum;
-//! - without the accelerometer the step integrates the gyroscope alone; without the magnetometer the
-//!   heading is left to the gyroscope;
-//! - a gyroscope at its limit is integrated as it stands; the controller puts its last reading in place
-//!   of such a one.
+//! The filter leaves out measurements that it cannot use:
+//! - an accelerometer or magnetometer reading is not used if any axis is at or beyond the end of its
+//!   range;
+//! - an accelerometer vector is not used if it is shorter than g/8 after the lever-arm correction (free
+//!   fall, the zero vector); a magnetic field is not used if it is shorter than its stated minimum;
+//! - a step without a usable accelerometer reading integrates the gyroscope alone; without a usable
+//!   magnetometer reading the heading follows from the gyroscope;
+//! - a gyroscope reading at the end of its range is integrated as it is; the controller replaces it by the
+//!   last reading within the range before it calls the filter.
 
 use super::calibration::{SensorLine, calibrate, is_saturated};
 use super::drift::{DriftGain, rate_error, tracked, without_drift};
@@ -20,14 +20,15 @@ use super::madgwick::{
     unit_q28,
 };
 
-/// Everything that fixes the filter.
+/// The constants of the filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FilterConstants {
     /// Gyroscope counts to half-angles ω T/2 in Q32.
     pub gyro: SensorLine,
-    /// Accelerometer counts to units of which the sensor's range has 2²⁸ or a little more.
+    /// Accelerometer counts to the accelerometer's units: the sensor's range is 2²⁸ of them, or a little
+    /// more.
     pub accel: SensorLine,
-    /// Magnetometer counts to units of the same kind.
+    /// Magnetometer counts to the magnetometer's units, chosen in the same way.
     pub mag: SensorLine,
     /// Squared length of the shortest usable accelerometer vector, in units of 2³²; at least 1.
     pub gravity_squared_min: i32,
@@ -37,15 +38,15 @@ pub struct FilterConstants {
     pub lever_arm: LeverArm,
     /// β T in Q35, below 2²⁹.
     pub beta: i32,
-    /// Accelerometer counts at or beyond which, either way, a reading is not used.
+    /// Largest magnitude of the accelerometer's counts; a reading at or beyond it is not used.
     pub accel_clip: [i32; 3],
-    /// The same of the magnetometer.
+    /// Largest magnitude of the magnetometer's counts; a reading at or beyond it is not used.
     pub mag_clip: [i32; 3],
-    /// How the gyroscope's drift is followed.
+    /// How the gyroscope's drift is estimated.
     pub drift: DriftGain,
 }
 
-/// What a step leaves behind. Invariant: components of the quaternion within
+/// The state of the filter after a step. Invariant: components of the quaternion within
 /// [`super::madgwick::COMPONENT_MAX`], its length within 1 ± 2⁻¹², rates within ±2²⁹.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FilterState {
@@ -53,11 +54,11 @@ pub struct FilterState {
     pub quaternion: [i32; 4],
     /// Half-angle of the last step about the pivot axis in Q32.
     pub rate: i32,
-    /// The same, lagging by two steps.
+    /// The same, with a lag of two steps.
     pub slow_rate: i32,
 }
 
-/// The sensor's frame on the earth's, at rest.
+/// At rest, with the sensor's frame on the earth's frame.
 pub const START: FilterState = FilterState {
     quaternion: [ONE, 0, 0, 0],
     rate: 0,

@@ -3,14 +3,16 @@
 //! Fixed-point controller of a reaction-wheel pendulum.
 //!
 //! Emitted from the model `thesis-4.4`. It needs no floating point, no heap and nothing but `core`
-//! and `fixed`; no input of whatever value makes it panic. `certificate.json` beside this
-//! crate states everything that is claimed of it, so that it can be checked without the
-//! generator.
+//! and `fixed`, and it panics for no input. `certificate.json` beside this crate states every claim
+//! about it, so that the claims can be checked without the generator.
 //!
-//! # What the words mean
-//! - gyroscope: FXAS21002, ±2000 °/s (CTRL_REG0 FS = 0), 800 Hz (NXP FXAS21002C data sheet rev. 2.1, mechanical characteristics: 62.5 m°/s per LSB); unknown from 32767, 32767, 32767 counts on
-//! - accelerometer: FXOS8700, ±8 g (XYZ_DATA_CFG FS = 2), 14 bits left-justified, 400 Hz hybrid mode (NXP FXOS8700CQ data sheet rev. 8, mechanical characteristics: 0.976 mg per LSB of 14 bits); unknown from 32764, 32764, 32764 counts on
-//! - magnetometer: FXOS8700, ±1200 µT, 400 Hz hybrid mode (NXP FXOS8700CQ data sheet rev. 8, magnetic characteristics: 0.1 µT per LSB); unknown from 12000, 12000, 12000 counts on
+//! A *word* is an integer that stands for a quantity: its value times a power of two. "In Q28"
+//! means times 2²⁸.
+//!
+//! # Sensors and drive
+//! - gyroscope: FXAS21002, ±2000 °/s (CTRL_REG0 FS = 0), 800 Hz (NXP FXAS21002C data sheet rev. 2.1, mechanical characteristics: 62.5 m°/s per LSB); saturated from 32767, 32767, 32767 counts on
+//! - accelerometer: FXOS8700, ±8 g (XYZ_DATA_CFG FS = 2), 14 bits left-justified, 400 Hz hybrid mode (NXP FXOS8700CQ data sheet rev. 8, mechanical characteristics: 0.976 mg per LSB of 14 bits); saturated from 32764, 32764, 32764 counts on
+//! - magnetometer: FXOS8700, ±1200 µT, 400 Hz hybrid mode (NXP FXOS8700CQ data sheet rev. 8, magnetic characteristics: 0.1 µT per LSB); saturated from 12000, 12000, 12000 counts on
 //! - drive: duty 6554 to 58982 of a timer of 16 bits, 32768 without current, 8.39246e-5 A per count
 //! - wheel speed: converter counts 0 to 1546, -690.574 to 690.58 rad/s
 //!
@@ -30,7 +32,7 @@
 //! controller.fault(); // a missed tick or a bus error: no current until `arm` succeeds again
 //! ```
 //!
-//! `status()` says why there is no current; a trip lasts until `arm()` succeeds.
+//! `status()` says why there is no current. A trip lasts until `arm()` succeeds.
 #![no_std]
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

@@ -9,7 +9,7 @@ pub struct Line {
     pub scale: i32,
     /// Value at zero plus one half, times 2^shift; at most 2⁶¹.
     pub offset: i64,
-    /// At most 62.
+    /// Number of fraction bits of slope and value at zero, at most 62.
     pub shift: u32,
     /// Smallest result.
     pub low: i32,
@@ -17,8 +17,8 @@ pub struct Line {
     pub high: i32,
 }
 
-/// The line at `word`. Within half a unit of the line with the rounded scale and offset; any
-/// word.
+/// The value of the line at `word`, for any word. It is within half a unit of the line with the
+/// rounded scale and offset.
 #[inline]
 pub fn on_line(word: i32, line: &Line) -> i32 {
     let value = (word as i64 * line.scale as i64 + line.offset) >> line.shift;

@@ -7,8 +7,8 @@
 //! Quaternion q = (q₁, q₂, q₃, q₄) = (w, x, y, z) in Q30; turns as half-angles ω T/2 in Q32;
 //! directions in Q28; gradients ½Jᵀf in Q26.
 //!
-//! Every bound below holds for components in their ranges alone, whatever their length, so that
-//! no step can overflow even if a length were wrong.
+//! Every bound below follows from the ranges of the components alone and does not depend on the
+//! length of a vector, so that no step can overflow even if a length were wrong.
 
 use super::lever_arm::length_squared;
 use super::product::{clamp, mul_high, round_high};
@@ -21,18 +21,18 @@ pub const ONE: i32 = 0x4000_0000;
 /// Largest component of the quaternion that a step leaves behind: 1 + 2⁻¹² in Q30.
 pub const COMPONENT_MAX: i32 = 0x4004_0000;
 
-/// Below this in all components the half gradient makes no correction: 2⁻¹⁸ in Q26.
+/// There is no correction if all components of the half gradient are below this: 2⁻¹⁸ in Q26.
 const GRADIENT_MIN_IMU: i32 = 0x100;
 
-/// A horizontal field below 1/16 shows no heading: its square in Q29.
+/// A horizontal field below 1/16 of the whole field shows no heading: its square in Q29.
 const HORIZONTAL_SQUARED_MIN: i32 = 0x20_0000;
 
-/// The direction in which the estimate is to be corrected, and how far.
+/// The direction and the size of a correction of the estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Correction {
     /// The gradient, scaled up; within ±7·2²⁸.
     pub direction: [i32; 4],
-    /// β T over the length of `direction`, so that the product is a change of q in Q62.
+    /// β T divided by the length of `direction`: the product of both is a change of q in Q62.
     pub gain: i32,
 }
 
@@ -126,9 +126,9 @@ pub fn correction_imu(q: [i32; 4], measured_up: [i32; 3], beta: i32) -> Correcti
 /// Half of the turn about the vertical, in Q32, that brings the estimate towards magnetic north: within
 /// ±`limit`; zero where the field is nearly vertical in the estimated frame.
 ///
-/// The measured field, of length 1, has the parts n to the estimated north and w to the west. A turn by
-/// −w, which is −sin of the error times the horizontal share, comes nearer without going too far; beyond a
-/// quarter turn the whole limit is taken.
+/// The measured field, of length 1, has the components n towards the estimated north and w towards the west.
+/// w is the sine of the heading error times the horizontal share of the field. A turn by −w therefore reduces
+/// the error and does not overshoot. If the error exceeds a quarter turn, the turn is the whole limit.
 #[cfg_attr(any(), kani::requires(
     (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[0])
         && (-COMPONENT_MAX..=COMPONENT_MAX).contains(&q[1])
@@ -215,7 +215,7 @@ pub fn component_q30(axis: [i32; 3], v: [i32; 3]) -> i32 {
     clamp(sum, -0x100_0000, 0x100_0000) * 64
 }
 
-/// The normalised gradient times β T (eq. 43); none if all components are below `min`.
+/// The normalised gradient times β T (eq. 43); no correction if all components are below `min`.
 #[cfg_attr(kani, kani::requires(
     (-0x7000_0000..=0x7000_0000).contains(&gradient[0])
         && (-0x7000_0000..=0x7000_0000).contains(&gradient[1])
@@ -296,9 +296,8 @@ pub fn turned(q: [i32; 4], half_angle: [i32; 3], correction: &Correction) -> [i3
 
 /// q/‖q‖ for a nearly unit q: with ‖q‖² = 1 + ε, q (1 − ε/2 + 3ε²/8).
 ///
-/// For |ε| ≤ 0.06, the most that a step can make of it, the length is 1 to within
-/// 5|ε|³/16 + 2⁻²⁵ < 1e-4. Components are clamped to [`COMPONENT_MAX`], which acts only on
-/// quaternions far from unit length.
+/// A step leaves |ε| ≤ 0.06; the length is then 1 to within 5|ε|³/16 + 2⁻²⁵ < 1e-4. Components are
+/// clamped to [`COMPONENT_MAX`], which changes only quaternions far from unit length.
 #[cfg_attr(any(), kani::requires(
     (-0x6000_0000..=0x6000_0000).contains(&q[0])
         && (-0x6000_0000..=0x6000_0000).contains(&q[1])

@@ -3,8 +3,8 @@
 //! Products and clamps of raw words.
 //!
 //! A word "Qn" stands for its value times 2ⁿ. A Qa times a Qb is a Q(a + b) in 64 bits; its upper
-//! word is a Q(a + b − 32), one instruction on a 32-bit core. Nothing else is needed: every
-//! format of the filter is chosen so that the upper word is the wanted one.
+//! word is a Q(a + b − 32), one instruction on a 32-bit core that has a long multiplication. Every
+//! format of the filter is chosen so that the upper word is the result, without a shift.
 
 /// Upper word of a product: ⌊a b/2³²⌋. Error within [−1, 0] units; any arguments.
 #[cfg_attr(kani, kani::ensures(|r| (-0x4000_0000..=0x4000_0000).contains(r)))]

@@ -6,10 +6,10 @@ use super::product::{clamp, mul_high};
 
 /// 2³⁰/√x for x = n/2²⁸ in [1, 4), n in [2²⁸, 2³⁰).
 ///
-/// Two Newton steps from the seed, which take its relative error of 0.32 % to 1.5e-5 and 3.5e-10;
-/// what remains is rounding. Error: at most 8 units of 2⁻³⁰ (7.5e-9), found by trying every n, and
-/// by the same trial the result lies in [2²⁹, 2³⁰]. The range of the contract is wider: it is what
-/// the ranges of the parts imply, and all that the steps above rely on.
+/// Two Newton steps from the seed reduce its relative error of 0.32 % to 1.5e-5 and to 3.5e-10; the
+/// rest of the error is rounding. Error: at most 8 units of 2⁻³⁰ (7.5e-9), and the result lies in
+/// [2²⁹, 2³⁰]; both were found by trying every n. The contract states the wider range that follows
+/// from the ranges of the parts; the steps above rely on that range alone.
 #[cfg_attr(kani, kani::requires((0x1000_0000..0x4000_0000).contains(&n)))]
 #[cfg_attr(kani, kani::ensures(|r| (0..=0x4c00_0000).contains(r)))]
 #[inline]
@@ -40,8 +40,8 @@ pub fn seed(n: i32) -> i32 {
 
 /// One Newton step: y ← y + y (1 − x y²)/2 takes a relative error ε to 3ε²/2; x in Q29.
 ///
-/// 1 − x y² is at most 0.7 % and is clamped to 1/32, so that the result's range follows from that
-/// of y alone.
+/// 1 − x y² is at most 0.7 %. It is clamped to 1/32, so that the range of the result follows from the
+/// range of y alone.
 #[cfg_attr(kani, kani::requires(x >= 0x2000_0000 && (0..=0x4c00_0000).contains(&y)))]
 #[cfg_attr(kani, kani::ensures(|r| 0 <= *r && *r - y <= y >> 6))]
 #[inline]
@@ -54,7 +54,7 @@ pub fn refined(x: i32, y: i32) -> i32 {
 
 /// 2³⁰/√x for x = n/2²⁶ in [1, 16): the inverse length of a scaled vector.
 ///
-/// `n` is clamped to [2²⁶, 2³⁰), so that it is total. Error: at most 8 units.
+/// `n` is clamped to [2²⁶, 2³⁰), so that the function is defined for every n. Error: at most 8 units.
 #[cfg_attr(kani, kani::ensures(|r| (0..=0x4c00_0000).contains(r)))]
 #[inline]
 pub fn inverse_length(n: i32) -> i32 {

@@ -2,11 +2,11 @@
 
 //! Vectors scaled up by a power of two, so that a length or a ratio keeps its precision.
 //!
-//! Each level doubles a vector by a constant factor if all its components stay in range, which
-//! is a comparison, not a count of leading zeros. The direction is unchanged: no rounding.
+//! Each level multiplies a vector by a constant power of two if all its components stay in range. That
+//! takes comparisons and no count of leading zeros. Nothing is rounded: the direction stays the same.
 
-/// Components below this can be doubled once more; after scaling, the largest component of a
-/// vector that was large enough is at least this.
+/// A component below this can be doubled once more. After scaling, the largest component of a vector
+/// that was large enough is at least this.
 pub const SCALED_MIN: i32 = 0x2000_0000;
 
 /// Whether |value| < limit, limit > 0.
