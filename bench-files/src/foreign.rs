@@ -2,8 +2,10 @@
 
 use crate::error::Problem;
 
-/// Number of bytes in which text has no zero.
+/// Number of bytes at the beginning, and the share of control characters in them, above which they are no text. A damaged
+/// line may hold some zero bytes; every second byte of a number in binary form is one.
 const HEAD: usize = 512;
+const CONTROL: f64 = 0.1;
 /// Number of lines that are looked at.
 const LINES: usize = 4;
 
@@ -121,7 +123,11 @@ pub(crate) fn foreign(start: &[u8], is_utf_8: bool) -> Option<Problem> {
     if let Some((_, what, advice)) = magic {
         return found(what, advice);
     }
-    if is_utf_8 && start[..start.len().min(HEAD)].contains(&0) {
+    let head = &start[..start.len().min(HEAD)];
+    let control = head
+        .iter()
+        .filter(|byte| **byte < b'\t' || (b'\x0e'..b' ').contains(byte));
+    if is_utf_8 && control.count() as f64 > CONTROL * head.len() as f64 {
         return found(
             "a binary file",
             "export its samples as text, one a line (CSV)",

@@ -22,7 +22,13 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
         Kind::SpinUp => None,
         Kind::FreeSwing | Kind::Driven | Kind::Balance => view.samples(Channel::Rate),
     };
-    for channel in [Channel::Angle, Channel::WheelSpeed] {
+    let channels = [Channel::Angle, Channel::Rate, Channel::WheelSpeed];
+    let mut found_one = false;
+    for channel in channels {
+        // A log of balancing may have pushes, which are found as such; and a jump of the angle says all.
+        if channel == Channel::Rate && (view.kind() == Kind::Balance || found_one) {
+            continue;
+        }
         let Some(samples) = view.samples(channel) else {
             continue;
         };
@@ -41,14 +47,18 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
             None => against_itself(samples).map(|at| (at, Finding::warning as _)),
         };
         let Some((at, make)) = found else { continue };
+        found_one = true;
+        let cause = match channel {
+            Channel::Rate => "a knock, or two logs in one file",
+            _ => "two logs in one file, or a sensor that lost its count",
+        };
         let time_s = &view.experiment.log.time_s;
         let size = samples[at + 1] - samples[at];
         out.push(
             make(
                 FindingId::Jump,
                 format!(
-                    "the {} jumps by {} between {} and {} s, farther than in any other sample: two logs in one file, or a \
-                     sensor that lost its count",
+                    "the {} jumps by {} between {} and {} s, farther than in any other sample: {cause}",
                     spoken(channel),
                     short(size),
                     number(time_s[at]),

@@ -419,7 +419,7 @@ pub enum Problem {
     },
     /// An empty cell in a column that is used.
     #[error(
-        "the cell is empty; every sample needs a number here: leave such lines out, or the whole column, where its sensor is slower than the others"
+        "the cell is empty; every sample needs a number here: leave the line out, or the whole column where its sensor is slower than the others"
     )]
     EmptyCell,
     /// A cell is not a number.
