@@ -227,4 +227,16 @@ mod tests {
         assert!(can_write_into(&file.join("out")).is_err());
         assert_eq!(fs::read_dir(folder.path()).expect("a list").count(), 1);
     }
+
+    #[test]
+    fn a_file_that_cannot_be_written_is_known_beforehand() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("file");
+        fs::write(&file, "old").expect("written");
+        assert!(can_write(&file).is_ok());
+        assert!(can_write(&folder.path().join("new/deep.json")).is_ok());
+        assert!(can_write(folder.path()).is_err());
+        assert!(can_write(&file.join("out.json")).is_err());
+        assert_eq!(fs::read_to_string(&file).expect("read"), "old");
+    }
 }

@@ -197,3 +197,55 @@ fn a_log_without_an_angle_may_hang_or_balance() {
         "{questions:?}"
     );
 }
+
+/// What `new` makes of names that people write: a Greek letter with a dot, a name that says where an angle comes from, and
+/// ticks that no name explains.
+#[test]
+fn names_of_columns_as_people_write_them() {
+    let numbers = Numbers::random(SEEDS.start);
+    let swing = numbers.logs().remove(0);
+    for (names, parts) in [
+        (
+            ["Zeit (s)", "θ (rad)", "θ̇ (rad/s)"],
+            &["kind = \"free-swing\"", "rate = \"θ̇ (rad/s)\""][..],
+        ),
+        (
+            ["t [s]", "angle_rad_from_pot_scale", "gyro_rad_s"],
+            &["angle = \"angle_rad_from_pot_scale\""],
+        ),
+        (
+            ["t [s]", "ticks", "n"],
+            &["TO DECIDE: no column is an angle", "2 pi / counts a turn"],
+        ),
+    ] {
+        let mut log = swing.clone();
+        for ((name, _), new) in log.columns.iter_mut().zip(names) {
+            *name = new;
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("log.csv");
+        std::fs::write(&file, log.text()).expect("a log");
+        let proposal = propose(folder.path(), &[file]).expect("a proposal");
+        for part in parts {
+            assert!(proposal.text.contains(part), "{part}: {}", proposal.text);
+        }
+    }
+}
+
+/// One wrong sign is mended by one sign.
+#[test]
+fn a_wheel_with_the_wrong_sign_is_turned_alone() {
+    for seed in SEEDS {
+        let mut log = Numbers::random(seed).logs().remove(7);
+        log.scale("wheel_speed_rad_s", -1.0);
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("log.csv");
+        std::fs::write(&file, log.text()).expect("a log");
+        let proposal = propose(folder.path(), &[file]).expect("a proposal");
+        assert!(
+            proposal.text.contains("\nsign = { wheel_speed = -1 }\n"),
+            "seed {seed}: {}",
+            proposal.text
+        );
+    }
+}
