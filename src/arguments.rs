@@ -16,6 +16,13 @@ pub struct JsonOutput {
     pub json: Option<PathBuf>,
 }
 
+impl JsonOutput {
+    /// The file for the JSON; `None` without one, and for standard output.
+    pub fn json_file(&self) -> Option<&Path> {
+        self.json.as_deref().filter(|path| path.as_os_str() != "-")
+    }
+}
+
 /// The folder for figures beside a model, unless another is given.
 pub fn out_beside(model: &Path) -> PathBuf {
     let beside = model.parent();

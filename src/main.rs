@@ -45,6 +45,10 @@ fn run(cli: &Cli) -> Result<ExitCode, Failure> {
     if cli.all {
         report::table::show_all();
     }
+    // Found before the computing, and not after it.
+    if let Some(path) = cli.command.output().json_file() {
+        bench_files::can_write(path)?;
+    }
     let report = cli.command.run()?;
     deliver(&report, cli.command.output())?;
     Ok(ExitCode::from(report.code))
@@ -52,13 +56,18 @@ fn run(cli: &Cli) -> Result<ExitCode, Failure> {
 
 /// Prints the text, or writes the JSON; with `--json -`, the JSON replaces the text.
 fn deliver(report: &Report, output: &JsonOutput) -> Result<(), Failure> {
-    match output.json.as_deref() {
-        Some(path) if path.as_os_str() == "-" => print(&report.json),
-        Some(path) => {
+    match (output.json.as_deref(), output.json_file()) {
+        (Some(_), None) => print(&report.json),
+        (_, Some(path)) => {
+            if let Some(folder) = path.parent() {
+                std::fs::create_dir_all(folder).map_err(|error| {
+                    Failure::in_file(folder, format!("cannot create the folder: {error}"))
+                })?;
+            }
             bench_files::write_atomically(path, report.json.as_bytes())?;
             print(&harmless(&report.text))
         }
-        None => print(&harmless(&report.text)),
+        (None, None) => print(&harmless(&report.text)),
     }
 }
 

@@ -72,6 +72,27 @@ pub fn can_write_into(folder: &Path) -> io::Result<()> {
     tempfile::tempfile_in(there).map(|_| ())
 }
 
+/// Whether a file of this name can be written, in a folder that exists or can be made. Nothing is left there.
+///
+/// # Errors
+/// What the system said.
+pub fn can_write(path: &Path) -> io::Result<()> {
+    let target = target_of(path);
+    if is_stream(&target) {
+        return Ok(());
+    }
+    if target.is_dir() {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    can_write_into(target.parent().unwrap_or(Path::new(".")))
+}
+
+/// The file that is written for this path. Renaming to the name of a link would replace the link, not the file to which it
+/// points.
+fn target_of(path: &Path) -> PathBuf {
+    fs::canonicalize(path).unwrap_or_else(|_| end_of_links(path))
+}
+
 /// What is ready to be written.
 enum Staged {
     /// A file that is on the disk, but does not have its name yet. If it is dropped, the file is removed.
@@ -105,8 +126,7 @@ fn is_stream(target: &Path) -> bool {
 }
 
 fn staged(path: &Path, content: &[u8]) -> io::Result<Staged> {
-    // Renaming to the name of a link would replace the link, not the file to which it points.
-    let target = fs::canonicalize(path).unwrap_or_else(|_| end_of_links(path));
+    let target = target_of(path);
     if is_stream(&target) {
         let content = content.to_vec();
         return Ok(Staged::Stream { target, content });
@@ -206,5 +226,17 @@ mod tests {
         assert!(can_write_into(&file).is_err());
         assert!(can_write_into(&file.join("out")).is_err());
         assert_eq!(fs::read_dir(folder.path()).expect("a list").count(), 1);
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_written_is_known_beforehand() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("file");
+        fs::write(&file, "old").expect("written");
+        assert!(can_write(&file).is_ok());
+        assert!(can_write(&folder.path().join("new/deep.json")).is_ok());
+        assert!(can_write(folder.path()).is_err());
+        assert!(can_write(&file.join("out.json")).is_err());
+        assert_eq!(fs::read_to_string(&file).expect("read"), "old");
     }
 }

@@ -1,5 +1,6 @@
 //! The text of a cell as a number: with a decimal point or comma, with groups of thousands, with a unit behind it.
 
+use crate::clock::clock;
 use crate::error::{Problem, shortened};
 use crate::units_in_text::plain_unit;
 
@@ -13,6 +14,8 @@ const LONGEST_WITH_UNIT: usize = 32;
 /// # Errors
 /// If the cell is empty, is not a number, or is one that can be read in two ways.
 pub(crate) fn number(cell: &str, decimal_comma: bool) -> Result<f64, Box<Problem>> {
+    // Where two files were joined, the mark of the second stands in the middle.
+    let cell = cell.trim_start_matches('\u{feff}');
     if cell.is_empty() {
         return Err(Box::new(Problem::EmptyCell));
     }
@@ -82,10 +85,13 @@ fn grouped(cell: &str, decimal_comma: bool) -> Option<f64> {
         .ok()
 }
 
-/// The number and the unit of a cell like `12.3 mA`.
+/// The number and the unit of a cell like `12.3 mA`. A time of day is a number of seconds.
 pub(crate) fn with_unit(cell: &str, decimal_comma: bool) -> Option<(f64, &'static str)> {
     if cell.len() > LONGEST_WITH_UNIT {
         return None;
+    }
+    if let Some(seconds) = clock(cell) {
+        return Some((seconds, "s"));
     }
     // The unit is the longest ending that is one: of "3 1/s" the whole fraction.
     cell.char_indices().skip(1).find_map(|(at, first)| {
@@ -112,12 +118,23 @@ fn not_a_number(cell: &str, decimal_comma: bool) -> Problem {
             };
         }
     }
+    // As C, spreadsheets and databases write what is no number.
+    let lower = cell.to_lowercase();
+    let bare = lower.trim_start_matches(['-', '+']);
+    let begins = ["nan(", "1.#", "#div", "#n/a", "#num", "#value"];
+    if ["", "null", "none", "n/a", "na"].contains(&bare)
+        || begins.iter().any(|begin| bare.starts_with(begin))
+    {
+        return Problem::NotFinite {
+            cell: shortened(cell),
+        };
+    }
     let hint = if !decimal_comma && plain(cell, true).is_some() {
         " (a point, not a comma, before the decimals)"
     } else if decimal_comma && cell.contains('.') {
         " (the other numbers of this file have a comma before the decimals)"
     } else if cell.contains(':') && cell.starts_with(|c: char| c.is_ascii_digit()) {
-        " (this is a date or a time of day; convert the column to seconds)"
+        " (this is a date or a time of day; the other cells of the column are none: convert it to seconds)"
     } else {
         ""
     };

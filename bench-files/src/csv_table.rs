@@ -13,9 +13,11 @@ use encoding_rs::UTF_8;
 use encoding_rs_io::DecodeReaderBytesBuilder;
 
 use crate::cell::{number, with_unit};
+use crate::clock::clock;
 use crate::dialect::{self, Dialect, Header, LOOKED_AT};
 use crate::error::{Error, Names, Place, Problem, shortened};
 use crate::files::Files;
+use crate::foreign::foreign;
 use crate::units_in_text::plain_unit;
 use crate::write::reason;
 
@@ -25,6 +27,11 @@ pub const MAX_LOG_BYTES: u64 = 1 << 30;
 pub const MAX_LOG_ROWS: usize = 10_000_000;
 /// The byte order mark that some editors write before UTF-8 text.
 const UTF_8_MARK: &[u8] = b"\xef\xbb\xbf";
+/// Said where a cell is the name of its column.
+const HEADER_AGAIN: &str = " (the header line stands here again: if the log was started anew, cut the file in two here; \
+                            otherwise leave this line out)";
+/// Number of bytes of a line that are looked at where it is at fault.
+const SHOWN_BYTES: usize = 1 << 10;
 /// Largest length of a line, in bytes.
 const MAX_LINE_BYTES: usize = 1 << 20;
 
@@ -57,36 +64,46 @@ impl Source<'_> {
     /// the blank lines, comments and line ends that it skips before a record. The file
     /// is therefore read once more from there; this happens only when an error is reported.
     fn line_of(self, position: Option<&csv::Position>) -> u64 {
+        self.line_and_text(position).0
+    }
+
+    /// The line on which the record at this position begins, and the beginning of its text.
+    fn line_and_text(self, position: Option<&csv::Position>) -> (u64, Vec<u8>) {
+        let mut text = vec![];
         let Some(position) = position else {
-            return self.lines_before + 1;
+            return (self.lines_before + 1, text);
         };
         let mut line = position.line() + self.lines_before;
         if !self.is_utf_8 {
-            return line;
+            return (line, text);
         }
         let Ok(mut file) = self.files.open(self.path) else {
-            return line;
+            return (line, text);
         };
         if file
             .seek(SeekFrom::Start(position.byte() + self.bytes_before))
             .is_err()
         {
-            return line;
+            return (line, text);
         }
         let mut in_comment = false;
         for byte in BufReader::new(file).bytes().map_while(Result::ok) {
             match byte {
+                b'\n' if !text.is_empty() => break,
                 b'\n' => {
                     line += 1;
                     in_comment = false;
                 }
                 b'\r' => {}
-                b'#' => in_comment = true,
+                b'#' if text.is_empty() => in_comment = true,
                 _ if in_comment => {}
-                _ => break,
+                _ => text.push(byte),
+            }
+            if text.len() > SHOWN_BYTES {
+                break;
             }
         }
-        line
+        (line, text)
     }
 }
 
@@ -105,7 +122,16 @@ impl Row<'_> {
     /// The number in the requested column `k`, not converted.
     pub fn number(&self, k: usize) -> Result<f64, Error> {
         let text = self.record.get(self.indices[k]).unwrap_or("");
-        number(text, self.decimal_comma).map_err(|problem| self.error(k, *problem))
+        number(text, self.decimal_comma).map_err(|problem| match *problem {
+            Problem::NotANumber { cell, .. } if cell == self.names[k] => self.error(
+                k,
+                Problem::NotANumber {
+                    cell,
+                    hint: HEADER_AGAIN,
+                },
+            ),
+            problem => self.error(k, problem),
+        })
     }
 
     /// As [`Row::number`], without the place of what is wrong: that costs a second look into the file.
@@ -116,6 +142,11 @@ impl Row<'_> {
     /// The number in the requested column `k`, and the unit that stands behind it in the cell.
     pub fn number_with_unit(&self, k: usize) -> Option<(f64, &'static str)> {
         with_unit(self.text(k), self.decimal_comma)
+    }
+
+    /// Whether the cell of column `k` is a time of day.
+    pub fn is_clock(&self, k: usize) -> bool {
+        clock(self.text(k)).is_some()
     }
 
     /// An error in the cell of column `k`.
@@ -151,6 +182,10 @@ pub(crate) fn open<'p>(files: Files<'p>, path: &'p Path) -> Result<OpenTable<'p>
     let mut start = Vec::new();
     let looked_at = file.by_ref().take(LOOKED_AT as u64);
     { looked_at }.read_to_end(&mut start).map_err(unreadable)?;
+    let is_utf_8 = dialect::encoding(&start) == UTF_8;
+    if let Some(problem) = foreign(&start, is_utf_8) {
+        return Err(Error::in_file(path, problem));
+    }
     let dialect = dialect::dialect(&start).map_err(|found| {
         let place = at_line(path, found.line, None);
         let (cell, first, second) = (shortened(&found.cell), found.first, found.second);
@@ -359,7 +394,7 @@ fn at_line(path: &Path, line: u64, column: Option<&str>) -> Place {
 
 fn csv_error(source: Source, reader_at: &csv::Position, error: csv::Error) -> Error {
     let path = source.path;
-    let line = source.line_of(Some(error.position().unwrap_or(reader_at)));
+    let (line, text) = source.line_and_text(Some(error.position().unwrap_or(reader_at)));
     let place = at_line(path, line, None);
     match error.into_kind() {
         ErrorKind::UnequalLengths {
@@ -369,6 +404,7 @@ fn csv_error(source: Source, reader_at: &csv::Position, error: csv::Error) -> Er
             Problem::RaggedRow {
                 expected: expected_len,
                 found: len,
+                hint: hint(&text),
             },
         ),
         ErrorKind::Utf8 { pos, err } => {
@@ -390,6 +426,20 @@ fn csv_error(source: Source, reader_at: &csv::Position, error: csv::Error) -> Er
         }
         ErrorKind::Io(error) => Error::in_file(path, Problem::Unreadable(reason(&error))),
         other => Error::in_file(path, Problem::Unreadable(format!("{other:?}"))),
+    }
+}
+
+/// What a line with the wrong number of cells looks like.
+fn hint(line: &[u8]) -> &'static str {
+    let begins = |marks: &[&[u8]]| marks.iter().any(|mark| line.starts_with(mark));
+    if line.contains(&0) {
+        "; it holds zero bytes, as where a logger lost its power while it wrote: cut the file before it"
+    } else if line.iter().filter(|byte| **byte == b'"').count() % 2 == 1 {
+        "; a quotation mark is opened here and not closed: take it out"
+    } else if begins(&[b"//", b"%", b";", b"!", b"*", b"--"]) {
+        "; it looks like a comment: only lines that begin with # are left out"
+    } else {
+        ""
     }
 }
 
@@ -421,54 +471,5 @@ impl Read for Bounded<'_> {
         let read = self.inner.read(&mut buffer[..allowed])?;
         self.budget.set(self.budget.get() - read);
         Ok(read)
-    }
-}
-
-/// A whole CSV file as numbers, for finding out what its columns are.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Table {
-    /// Names of the columns; "1", "2", … where the file has no header line.
-    pub names: Vec<String>,
-    /// Units from the file's line of units or from its cells, as `units` in bench.toml writes them.
-    pub units: Vec<Option<&'static str>>,
-    /// Whether the names are the file's own.
-    pub has_header: bool,
-    /// The samples of each column; NaN for a cell that is not a number.
-    pub columns: Vec<Vec<f64>>,
-}
-
-impl Table {
-    /// Reads the first `most_rows` rows of a file.
-    ///
-    /// # Errors
-    /// If the file cannot be read or is not a table, two columns have the same name, or no cell is a number.
-    pub fn read(path: &Path, most_rows: usize) -> Result<Table, Error> {
-        let mut table = open(Files::Disk, path)?;
-        let names = table.columns.clone();
-        let mut units: Vec<_> = names.iter().map(|name| table.unit(name)).collect();
-        let mut columns = vec![vec![]; names.len()];
-        table.read_rows(&names, |row| {
-            if row.index < most_rows {
-                for (k, column) in columns.iter_mut().enumerate() {
-                    let number = row.plain_number(k).or_else(|| {
-                        // The unit of the first cell is that of the column.
-                        let (number, unit) = row.number_with_unit(k)?;
-                        (*units[k].get_or_insert(unit) == unit).then_some(number)
-                    });
-                    column.push(number.unwrap_or(f64::NAN));
-                }
-            }
-            Ok(())
-        })?;
-        let rows = columns.iter().flatten();
-        if rows.clone().next().is_some() && rows.clone().all(|cell| cell.is_nan()) {
-            return Err(Error::in_file(path, Problem::NoNumbers));
-        }
-        Ok(Table {
-            has_header: table.has_header,
-            names,
-            units,
-            columns,
-        })
     }
 }

@@ -53,7 +53,7 @@ pub(crate) struct TwoReadings {
 
 /// The encoding of a file with these first bytes. A byte order mark decides. UTF-16 without a mark has a zero in every
 /// other byte. Anything that is not UTF-8 is the code page of western Windows, unless it has bytes that no text has.
-fn encoding(bytes: &[u8]) -> &'static Encoding {
+pub(crate) fn encoding(bytes: &[u8]) -> &'static Encoding {
     if let Some((encoding, _)) = Encoding::for_bom(bytes) {
         return encoding;
     }

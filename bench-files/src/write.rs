@@ -24,6 +24,15 @@ pub fn can_write_into(folder: &Path) -> Result<(), Error> {
         .map_err(|error| Error::in_file(folder, Problem::Unwritable(reason(&error))))
 }
 
+/// Whether this file can be written, in a folder that exists or can be created. No file is left there.
+///
+/// # Errors
+/// [`Problem::Unwritable`] with the system's reason.
+pub fn can_write(path: &Path) -> Result<(), Error> {
+    atomic_files::can_write(path)
+        .map_err(|error| Error::in_file(path, Problem::Unwritable(reason(&error))))
+}
+
 /// An input/output error without its numerical code.
 pub(crate) fn reason(error: &std::io::Error) -> String {
     let text = error.to_string();

@@ -7,16 +7,9 @@ use identify::bumps;
 use plant::Kind;
 
 use crate::regression::{LeastSquares, least_squares, ratio};
+use crate::thresholds::fit::FEWEST_ROWS;
+use crate::thresholds::momentum::{EQUAL, OWN_MOTION};
 use crate::view::View;
-
-/// Smallest number of rows for a fit; with fewer, it explains much by chance.
-const FEWEST_ROWS: usize = 20;
-
-/// Correlation from which wheel and body accelerate oppositely, and the share within which they do so by equal amounts. A
-/// motor accelerates the wheel by at least twice as much as the body, since no wheel has more than half of the inertia;
-/// and bumps of a dozen samples make an acceleration from an angle alone wrong by up to a fifth.
-const OWN_MOTION: f64 = 0.9;
-const EQUAL: f64 = 0.3;
 
 /// `integral(f, order)`: ∫ f dᵒψ/dtᵒ dt under one bump.
 type Integral<'i> = dyn Fn(&dyn Fn(usize) -> f64, usize) -> f64 + 'i;

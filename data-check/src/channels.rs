@@ -6,36 +6,12 @@ use identify::{noise_std, resolution};
 use crate::finding::{Finding, FindingId};
 use crate::sawtooth;
 use crate::slips::short;
+use crate::thresholds::channels::{
+    AT_LIMIT, BEYOND_NOISE, BEYOND_STEPS, CLIPPED_SHARE, DOUBTFUL_SHARE, DOUBTFUL_TURN, FEW_LEVELS,
+    FEWEST_LARGE, FROZEN, FROZEN_SHARE, JITTER, LARGE_STEP, LEAST_NOISE, NOISY_STEPS, OFF_REST,
+    REPEATED, REPEATED_TIMES, STUCK,
+};
 use crate::view::{View, largest, median, range, spoken};
-
-/// Smallest number of equal samples that counts as a stop at a limit.
-const AT_LIMIT: usize = 4;
-/// Least excursion beyond a limit, extrapolated from the slopes on both sides: in standard deviations of the noise, and
-/// in steps of the column. A smaller one is a turning point.
-const BEYOND_NOISE: f64 = 8.0;
-const BEYOND_STEPS: f64 = 3.0;
-/// Smallest number of equal samples at the end of a log that show a limit, where the noise before them is larger than so
-/// many steps of the column. Noise of two steps repeats a sample once in five times, and never so often in a row.
-const STUCK: usize = 20;
-const NOISY_STEPS: f64 = 2.0;
-/// Share of samples at a limit above which results from the channel are wrong.
-const CLIPPED_SHARE: f64 = 0.02;
-/// Smallest number of equal samples of a frozen channel.
-const FROZEN: usize = 5;
-/// Share of a log that may be frozen before results from the channel are wrong (judgement).
-const FROZEN_SHARE: f64 = 0.1;
-/// Least noise of a channel that can be missed, as a share of its range: less is a simulation's, or a filter's.
-const LEAST_NOISE: f64 = 1e-4;
-/// Distance of a frozen value from the channel's median, as a share of half its range, from which it is no rest.
-const OFF_REST: f64 = 0.1;
-/// Number of levels below which a channel hardly resolves a motion.
-const FEW_LEVELS: f64 = 12.0;
-/// Share of equal neighbouring samples above which a channel repeats samples.
-const REPEATED: f64 = 0.4;
-/// Allowed variation of the sampling interval (fifth to ninety-fifth percentile), as a share of its usual value.
-const JITTER: f64 = 1.0;
-/// Allowed share of lines that repeat the time of the line before.
-const REPEATED_TIMES: f64 = 0.02;
 
 pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
     time_stamps(view, out);
@@ -334,7 +310,11 @@ impl<'s> Series<'s> {
             return None;
         }
         // With steps of many counts, equal neighbours come neither from rounding nor from rest.
-        let is_large = |k: usize| steps.get(k).is_some_and(|step| *step >= 10.0 * self.step);
+        let is_large = |k: usize| {
+            steps
+                .get(k)
+                .is_some_and(|step| *step >= LARGE_STEP * self.step)
+        };
         let moved = (0..steps.len()).filter(|k| is_large(*k)).count();
         // At a limit the sensor repeats what it cannot exceed.
         let at_limit = |k: usize| [self.low, self.high].contains(&self.samples[k]);
@@ -345,7 +325,7 @@ impl<'s> Series<'s> {
             })
             .count();
         let repeated = repeats as f64 / (repeats + moved).max(1) as f64;
-        if moved < 20 || repeated < REPEATED {
+        if moved < FEWEST_LARGE || repeated < REPEATED {
             return None;
         }
         let every = 1.0 / (1.0 - repeated);
@@ -363,12 +343,6 @@ impl<'s> Series<'s> {
         )
     }
 }
-
-/// Share of a turn between two samples above which the direction of a wheel is uncertain; at half a turn it is unknown.
-const DOUBTFUL_TURN: f64 = 0.4;
-/// Share of such steps above which the speed is wrong somewhere: a wheel that speeds up through half a turn a sample
-/// has them on its way there, and a lost sample is one.
-const DOUBTFUL_SHARE: f64 = 0.01;
 
 fn wheel_angle(view: &View, out: &mut Vec<Finding>) {
     let Some(angle) = view.samples(Channel::WheelAngle) else {

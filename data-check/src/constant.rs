@@ -5,14 +5,8 @@ use identify::noise_std;
 use plant::Kind;
 
 use crate::finding::{Finding, FindingId};
-use crate::view::{View, largest, range, spoken};
-
-/// Largest number of levels of a command that is switched, and smallest of a speed that rises (judgement). A wheel that
-/// gains speed passes through more levels, or nothing can be fitted to it.
-const COMMAND_LEVELS: usize = 3;
-const SPEED_LEVELS: usize = 50;
-/// Range of a channel, in standard deviations of its noise, that is a motion: noise alone covers ten in a million lines.
-const MOVES: f64 = 30.0;
+use crate::thresholds::constant::{COMMAND_LEVELS, MOVES, SPEED_LEVELS};
+use crate::view::{View, largest, levels, range, spoken};
 
 /// Checks for channels that never change, beside one that does. Returns whether the wheel's speed and the current are
 /// swapped: then no other comparison means anything.
@@ -74,12 +68,6 @@ fn are_swapped(view: &View) -> bool {
         view.samples(Channel::Current),
     ) else {
         return false;
-    };
-    let levels = |samples: &[f64]| {
-        let mut finite: Vec<f64> = samples.iter().copied().filter(|x| x.is_finite()).collect();
-        finite.sort_by(f64::total_cmp);
-        finite.dedup();
-        finite.len()
     };
     // A tachometer without power says 0 throughout, and a current has noise.
     view.kind() == Kind::SpinUp

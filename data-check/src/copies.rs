@@ -4,10 +4,8 @@
 use bench_files::Channel;
 
 use crate::finding::{Finding, FindingId};
+use crate::thresholds::copies::{IN_A_ROW, ROUNDED};
 use crate::view::{View, range};
-
-/// Number of consecutive equal samples that two recordings cannot share by chance.
-const IN_A_ROW: usize = 32;
 
 pub(crate) fn check(views: &[View], out: &mut Vec<Finding>) {
     for (index, second) in views.iter().enumerate() {
@@ -29,10 +27,6 @@ pub(crate) fn check(views: &[View], out: &mut Vec<Finding>) {
         }
     }
 }
-
-/// Two samples are the same if they differ by less than this share of the range of their stretch: the files may have
-/// other units and other digits. Noise of another recording differs by more, or it would not be seen in the file.
-const ROUNDED: f64 = 1e-4;
 
 /// Whether one log contains a stretch from the middle of the other.
 fn shared(first: &View, second: &View) -> bool {

@@ -42,6 +42,8 @@ pub enum FindingId {
     Clipped,
     /// A channel stands still while the motion goes on.
     Frozen,
+    /// A channel jumps farther than it can move: two logs in one file.
+    Jump,
     /// A channel starts again from the other end of its range.
     Wrapped,
     /// A channel has only a few levels.
@@ -62,7 +64,7 @@ pub enum FindingId {
 
 impl FindingId {
     /// All findings.
-    pub const ALL: [FindingId; 26] = [
+    pub const ALL: [FindingId; 27] = [
         FindingId::RateFactor,
         FindingId::SameColumn,
         FindingId::AngleFactor,
@@ -81,6 +83,7 @@ impl FindingId {
         FindingId::SameData,
         FindingId::Clipped,
         FindingId::Frozen,
+        FindingId::Jump,
         FindingId::Wrapped,
         FindingId::Quantised,
         FindingId::LateChannel,
@@ -112,6 +115,7 @@ impl FindingId {
             FindingId::SameData => "same-data",
             FindingId::Clipped => "clipped",
             FindingId::Frozen => "frozen",
+            FindingId::Jump => "jump",
             FindingId::Wrapped => "wrapped",
             FindingId::Quantised => "quantised",
             FindingId::LateChannel => "late-channel",
@@ -159,7 +163,7 @@ impl FindingId {
                 "Wheel and body do not exchange momentum: one of them has the wrong `sign`."
             }
             FindingId::WheelTurns => {
-                "The wheel turns in a swing in which it should be locked: the experiment is `driven`, with `constants = { current = 0.0 }`."
+                "The wheel turns in a swing in which it should be locked, by its sensor or by the period of the swing: the experiment is `driven`, with `constants = { current = 0.0 }`."
             }
             FindingId::BodyMoves => {
                 "The body moves in a spin-up in which it should be clamped: the experiment is `driven`."
@@ -178,6 +182,9 @@ impl FindingId {
             }
             FindingId::Frozen => {
                 "A channel stands still while the motion goes on: the sensor or its bus had stopped."
+            }
+            FindingId::Jump => {
+                "A channel jumps farther than it can move in one sample: two logs stand in one file, or a sensor lost its count; keep one part with `from` and `until`."
             }
             FindingId::Wrapped => {
                 "A channel jumps from one end of its range to the other, as an angle does at 360 degrees. Jumps by a full turn are taken out when the file is read: state the unit in which a turn is one, or map the wheel's angle as such."

@@ -5,18 +5,8 @@ use plant::Kind;
 
 use crate::finding::{Finding, FindingId};
 use crate::slips::{DEGREES, short};
+use crate::thresholds::held::{CLAMPED, CLAMPED_RAD, LOCKED, OVER_NOISE, PLAY_RAD};
 use crate::view::{View, median, range};
-
-/// Share of the body's speed that the sensor of a locked wheel may show through cross-coupling. A free
-/// wheel keeps its speed in space, and so shows the whole speed of the body.
-const LOCKED: f64 = 0.2;
-/// Range of the body's speed, as a share of the wheel's range of speeds, above which the body counts as moving. The
-/// equation of a spin-up, j_w (α̈ + φ̈) = τ u, is then wrong by about this share if the motion of the body is left out.
-const CLAMPED: f64 = 0.01;
-/// Range of the body's angle in rad above which it is not clamped.
-const CLAMPED_RAD: f64 = 0.1;
-/// Range of the body's angle in rad below which the motion is the play of a vice.
-const PLAY_RAD: f64 = 0.02;
 
 pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
     match view.kind() {
@@ -68,7 +58,8 @@ fn locked(view: &View, out: &mut Vec<Finding>) {
     let (Some(wheel_range), Some(body_range)) = (usual_range(&wheel), usual_range(&body)) else {
         return;
     };
-    if wheel_range <= LOCKED * body_range || wheel_range <= 10.0 * identify::noise_std(&wheel) {
+    if wheel_range <= LOCKED * body_range || wheel_range <= OVER_NOISE * identify::noise_std(&wheel)
+    {
         return;
     }
     out.push(
@@ -95,7 +86,7 @@ fn clamped(view: &View, out: &mut Vec<Finding>) {
     let (moved, refused) = match (&beside.angle_rad, &beside.rate_rad_s) {
         (Some(angle), _) => {
             let way = slow_range(angle).unwrap_or(0.0);
-            if way <= PLAY_RAD.max(10.0 * identify::noise_std(angle)) {
+            if way <= PLAY_RAD.max(OVER_NOISE * identify::noise_std(angle)) {
                 return;
             }
             // The play of a vice, read from degrees, is some tenths of a radian.
@@ -111,7 +102,7 @@ fn clamped(view: &View, out: &mut Vec<Finding>) {
         }
         (None, Some(rate)) => {
             let speed = usual_range(rate).unwrap_or(0.0);
-            if speed <= 10.0 * identify::noise_std(rate) {
+            if speed <= OVER_NOISE * identify::noise_std(rate) {
                 return;
             }
             (

@@ -7,25 +7,14 @@ use plant::Kind;
 
 use crate::finding::{Finding, FindingId};
 use crate::slips::{DEGREES, RPM, short, slip};
+use crate::thresholds::kinematics::{
+    CLEAR, MOST_LATE, OVER_NOISE, SCALE_ERROR, SHORTFALL, UNRELATED, USUAL_DELAY,
+};
 use crate::units::Settled;
 use crate::view::{View, largest, median, range};
 
-/// Correlation of rate and derivative above which their ratio is known within 5 % (Frisch's bounds, see
-/// [`crate::regression::Ratio`]).
-const CLEAR: f64 = 0.95;
-/// Correlation below which a rate that moves well above its noise cannot be the derivative of the angle.
-const UNRELATED: f64 = 0.5;
-/// Motion of a channel, in units of its noise, from which [`UNRELATED`] is applied.
-const OVER_NOISE: f64 = 30.0;
-/// Largest factor error, as a share, that counts as a scale error of the gyroscope. Data sheets allow 3 % (effect
-/// `gyro-scale`); a warning comes at five times that.
-const SCALE_ERROR: f64 = 0.15;
-/// A rate counts as delayed if a shift in time removes this share of the correlation's distance from 1.
-const SHORTFALL: f64 = 0.5;
-/// Delay in samples up to which nothing is reported: one hold and one computation.
-const USUAL_DELAY: usize = 2;
-/// Largest delay, in samples, that is tried.
-const MOST_LATE: isize = 20;
+/// The remedy where the body's rate was taken for the wheel's speed.
+pub(crate) const IS_THE_RATE: &str = "columns = { rate = … } in the place of wheel_speed";
 
 /// Checks whether the columns are those of their channels: no column twice, none in another's place. Returns whether a
 /// finding says that they are not; then no other comparison means anything.
@@ -33,8 +22,24 @@ pub(crate) fn columns(view: &View, out: &mut Vec<Finding>) -> bool {
     if same_columns(view, out) {
         return true;
     }
-    let (Some(angle), Some(rate)) = (view.samples(Channel::Angle), view.samples(Channel::Rate))
-    else {
+    let (angle, rate) = (view.samples(Channel::Angle), view.samples(Channel::Rate));
+    if let (Some(angle), None, Some(speed)) = (angle, rate, view.samples(Channel::WheelSpeed))
+        && view.kind() != Kind::SpinUp
+        && is_derivative(view, angle, speed)
+    {
+        // A motor turns body and wheel in opposite senses, and a wheel that no torque reaches turns against the body.
+        out.push(
+            Finding::refusal(
+                FindingId::RateFactor,
+                "the wheel's speed is the derivative of the body's angle: it is the body's rate",
+            )
+            .in_experiment(view.name())
+            .with_channel("wheel_speed")
+            .with_fix(IS_THE_RATE),
+        );
+        return true;
+    }
+    let (Some(angle), Some(rate)) = (angle, rate) else {
         return false;
     };
     if view.kind() == Kind::SpinUp || is_derivative(view, angle, rate) {

@@ -4,16 +4,7 @@ use bench_files::Bench;
 
 use crate::finding::{Finding, FindingId};
 use crate::slips::short;
-
-/// Gravity on Earth's surface lies between 9.76 and 9.84 m/s²; rounded values are usual.
-const GRAVITY: std::ops::Range<f64> = 9.7..9.9;
-/// Ranges for a bench, from the smallest that can be built by hand to the largest that one person
-/// can lift: masses in kg, lengths in m, torque constants in N m/A (from a toy motor to a servo of 1 kW).
-const MASS_KG: std::ops::Range<f64> = 1e-3..30.0;
-const LENGTH_M: std::ops::Range<f64> = 2e-3..3.0;
-const TORQUE_CONSTANT: std::ops::Range<f64> = 2e-4..2.0;
-/// Beyond the range by this factor, a value is not an unusual bench but a mistake.
-const SURELY: f64 = 3.0;
+use crate::thresholds::bench::{GRAVITY, LENGTH_M, MASS_KG, SURELY, TORQUE_CONSTANT};
 
 pub(crate) fn check(bench: &Bench, out: &mut Vec<Finding>) {
     missing(bench, out);

@@ -8,21 +8,11 @@ use plant::Kind;
 use crate::finding::{Finding, FindingId};
 use crate::regression::{LeastSquares, least_squares};
 use crate::slips::{short, slip};
+use crate::thresholds::law::{
+    CLIPPED, EXPLAINED, LATEST, LONGEST_STEP_S, RATIO, SPARSE, STANDARD_ERRORS,
+};
 use crate::units::Settled;
 use crate::view::View;
-
-/// Share of the current's variance that a linear law of the logged states must explain before it is
-/// compared with the stated law. Noise of the states and a delay of one step leave a larger share.
-const EXPLAINED: f64 = 0.9;
-/// Standard errors by which a gain must differ from 0.
-const STANDARD_ERRORS: f64 = 10.0;
-/// Ratio of a gain to the stated one, in either direction, that noise of the states may cause (it draws the
-/// coefficients of a regression towards 0).
-const RATIO: f64 = 1.5;
-/// Share of the limit above which a current counts as clipped.
-const CLIPPED: f64 = 0.98;
-/// Largest delay, in samples, of the logged command against the states.
-const LATEST: usize = 2;
 
 const NAMES: [(&str, Channel); 3] = [
     ("angle", Channel::Angle),
@@ -169,7 +159,7 @@ fn fix_of(channel: &str, factor: f64, gains: &[f64; 3], k: usize, ratio: f64) ->
 fn sample_time(view: &View, sample_time_s: f64, out: &mut Vec<Finding>) {
     let ratio = view.step_s / sample_time_s;
     // Nobody logs only every hundredth sample of a controller, and no bench balances with steps of half a second.
-    if view.step_s < 0.5 || ratio < 100.0 {
+    if view.step_s < LONGEST_STEP_S || ratio < SPARSE {
         return;
     }
     out.push(

@@ -10,10 +10,12 @@
 //! | module | what it compares |
 //! |---|---|
 //! | `kinematics` | the rate with the derivative of the angle; columns with each other |
-//! | `swing` | a free swing with a pendulum: period, amplitude, standstill, energy |
+//! | `swing`, `by_itself` | a free swing with a pendulum: period, amplitude; standstill, energy |
 //! | `wheel` | the wheel with its current, with other logs, with what motors can do |
 //! | `momentum`, `body` | a body that is free with gravity, wheel and current |
 //! | `spin_up_measure` | a free wheel with the wheel of the spin-ups |
+//! | `standstill`, `jumps` | a channel that stands still beside one that moves; jumps that no motion makes |
+//! | `current_sensor` | a current that ends at its sensor's limit |
 //! | `sawtooth` | a channel that starts again from the other end of its range |
 //! | `units` | units that nothing states |
 //! | `law` | the current of a balance log with the stated gains |
@@ -21,6 +23,7 @@
 //! | `propose` | (for files without a bench.toml) proposes columns, units, signs, kinds and windows |
 //! | `constant` | channels that never change |
 //! | `channels`, `copies`, `known` | each channel and the time stamps; logs with each other; `[known]` |
+//! | `thresholds` | every number that decides a finding, with its derivation |
 //!
 //! A finding refuses the data only if they would give a wrong model and have no other explanation: a factor
 //! that is the known ratio of two units, or a sign. `accept` at the experiment turns a refusal into a warning, and
@@ -29,11 +32,14 @@
 #![warn(missing_docs)]
 
 mod body;
+mod by_itself;
 mod channels;
 mod constant;
 mod copies;
+mod current_sensor;
 mod finding;
 mod held;
+mod jumps;
 mod kinematics;
 mod known;
 mod law;
@@ -43,12 +49,15 @@ mod regression;
 mod sawtooth;
 mod slips;
 mod spin_up_measure;
+mod standstill;
 mod swing;
+mod thresholds;
 mod units;
 mod view;
 mod wheel;
 
 use bench_files::Bench;
+use plant::Kind;
 use rayon::prelude::*;
 
 pub use finding::{Finding, FindingId, Severity};
@@ -75,6 +84,9 @@ pub fn check(bench: &Bench) -> Vec<Finding> {
         let mut of_view = vec![];
         if !constant::check(view, &mut of_view) {
             channels::check(view, &mut of_view);
+            standstill::check(view, &mut of_view);
+            jumps::check(view, &mut of_view);
+            current_sensor::check(view, &mut of_view);
         }
         held::check(view, &mut of_view);
         of_view
@@ -90,6 +102,7 @@ pub fn check(bench: &Bench) -> Vec<Finding> {
     if of_wheel.is_empty() {
         facts.wheel_share = spin_up_measure::wheel_share(bench, &answers, &facts);
         spin_up_measure::current(&answers, &facts, &mut of_wheel);
+        spin_up_measure::free_wheel(bench, &views, &answers, &facts, &mut of_wheel);
     }
     let mut settled = Settled::default();
     if of_wheel.is_empty() && bench.known.wheel_inertia.is_some() {
@@ -102,6 +115,9 @@ pub fn check(bench: &Bench) -> Vec<Finding> {
             let (mut of_view, mut settled) = (vec![], settled.clone());
             if !kinematics::columns(view, &mut of_view) {
                 swing::check(view, &mut settled, &mut of_view);
+                if view.kind() == Kind::FreeSwing {
+                    by_itself::check(view, &mut of_view);
+                }
                 momentum::check(view, &facts, &mut settled, &mut of_view);
                 kinematics::check(view, &mut settled, &mut of_view);
                 law::check(bench, view, &mut settled, &mut of_view);

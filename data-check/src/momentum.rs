@@ -11,33 +11,13 @@ use crate::finding::{Finding, FindingId, Severity};
 use crate::regression::LeastSquares;
 use crate::slips::{DEGREES, RPM, short, slip};
 use crate::swing;
+use crate::thresholds::bench::SHARE_OF_INERTIA;
+use crate::thresholds::fit::{EXPLAINED, STANDARD_ERRORS};
+use crate::thresholds::momentum::{
+    AGREE, CLEAR, IMPOSSIBLE_TURNS, LEAST_LEFT, LEFT_OVER, MOST_TURNS, WRONG_ZERO_RAD, ZERO_RAD,
+};
 use crate::units::Settled;
 use crate::view::{Facts, View};
-use crate::wheel::SHARE_OF_INERTIA;
-
-/// Standard errors by which a coefficient must show before anything is reported.
-const STANDARD_ERRORS: f64 = 8.0;
-/// Share of the body's acceleration that wheel and gravity must explain before the sign is reported.
-const EXPLAINED: f64 = 0.8;
-/// Partial share of a column above which noise hardly draws its coefficient towards 0.
-const CLEAR: f64 = 0.9;
-/// Another unit of the angle is taken for right if its residual is below this share of the residual with the stated
-/// unit.
-const LEFT_OVER: f64 = 0.1;
-/// Least share of the acceleration's variance that a wrong unit leaves: a twentieth of the acceleration. Springs and
-/// presliding change a period by up to 4 % with the amplitude (see `swing`), and so can look like another unit below that.
-const LEAST_LEFT: f64 = 0.0025;
-/// Turns of a driven body above which gravity must be seen to act as the sine of its angle. A motor that lifts a body
-/// over the top does so against gravity, which then shows; a column in degrees goes far beyond so many turns.
-const MOST_TURNS: f64 = 2.0;
-/// Turns above which no motor with a wheel did it (judgement): to go round so often in one log, the body must turn as
-/// fast as a wheel, whose momentum it has not got.
-const IMPOSSIBLE_TURNS: f64 = 20.0;
-/// Distance of the angle's zero from hanging, rad, above which it is no error of mounting (judgement: 20°), and above
-/// which it is no potentiometer's zero either, which the effect angle-offset finds (judgement: 45°; one recording of
-/// another lab has 41°).
-const ZERO_RAD: f64 = 0.35;
-const WRONG_ZERO_RAD: f64 = PI / 4.0;
 
 /// The other units in which an angle could be, as the factor by which it is then read too large.
 const OTHERS: [f64; 3] = [DEGREES, 1e3, 1.0 / TAU];
@@ -230,7 +210,7 @@ fn exchange(
                 out.push(against_the_bench(view, share / expected, 1.0 / factor));
                 return;
             }
-            None if (share / expected).ln().abs() < 0.15 => {
+            None if (share / expected).ln().abs() < AGREE => {
                 settled.add(view, Channel::WheelSpeed);
                 settled.add(view, body.channel);
             }
@@ -334,11 +314,7 @@ fn gravity(view: &View, body: &Body, fit: &LeastSquares, first: usize, out: &mut
         }
     }
     // −ω² sin α brings a body back to 0 and drives it away from π.
-    if view.kind() == Kind::Balance
-        && body.channel == Channel::Angle
-        && sine > 0.0
-        && is_clear(fit, first)
-    {
+    if view.kind() == Kind::Balance && sine > 0.0 && is_clear(fit, first) {
         out.push(
             Finding::refusal(
                 FindingId::AngleZero,
@@ -433,7 +409,7 @@ fn torque(
             .with_factor(-1.0)
             .with_fix("sign = { current = -1 } (or the signs of angle and rate)"),
         ),
-        None if ratio > 0.0 && ratio.ln().abs() < 0.15 => {
+        None if ratio > 0.0 && ratio.ln().abs() < AGREE => {
             settled.add(view, Channel::Current);
             settled.add(view, body.channel);
         }

@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::thresholds::fit::INDEPENDENT;
+
 /// A line y = factor · x + const through two series that both have noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ratio {
@@ -97,8 +99,7 @@ pub(crate) fn least_squares<const N: usize>(
     });
     let right = DVector::from_fn(count, |row, _| finite[row].1);
     let normal = matrix.transpose() * &matrix;
-    // A correlation beyond 1 − 1e-9 is a rounding error.
-    if normal.clone().symmetric_eigenvalues().min() < 1e-9 {
+    if normal.clone().symmetric_eigenvalues().min() < INDEPENDENT {
         return None;
     }
     let inverse = normal.try_inverse()?;

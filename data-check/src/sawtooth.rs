@@ -7,24 +7,14 @@ use bench_files::Channel;
 
 use crate::finding::{Finding, FindingId};
 use crate::slips::short;
+use crate::thresholds::sawtooth::{ALIKE, FEWEST, FITTING, JUMP, NEAR};
 use crate::view::{median, range, spoken};
 
-/// Share of the range that a jump covers. The motion within one sample, by which a jump is shorter than a turn, must
-/// not be half a turn: then the way that was taken is unknown.
-const JUMP: f64 = 0.5;
-/// Fewest jumps that show a range.
-const FEWEST: usize = 2;
-/// Share of the jumps that must fit, and how well they agree on the size of a turn: noise hides the motion about a jump
-/// now and then.
-const FITTING: f64 = 0.8;
-const ALIKE: f64 = 0.05;
 /// Counts a turn of usual encoders.
 const COUNTS: [f64; 12] = [
     1000.0, 1024.0, 2000.0, 2048.0, 4000.0, 4096.0, 8192.0, 10_000.0, 16_384.0, 32_768.0, 65_536.0,
     512.0,
 ];
-/// Distance from a size that counts as this size: noise and the motion within a sample.
-const NEAR: f64 = 0.03;
 
 /// The jumps of a channel.
 struct Sawtooth {

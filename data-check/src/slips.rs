@@ -1,16 +1,12 @@
 //! The usual mistakes with units and signs, as factors.
 
+use crate::thresholds::slips::NEAR;
 use std::f64::consts::{PI, TAU};
 
 /// Radians in degrees.
 pub(crate) const DEGREES: f64 = 180.0 / PI;
 /// rad/s in revolutions a minute.
 pub(crate) const RPM: f64 = 60.0 / TAU;
-
-/// Largest distance of a measured factor from a known one, as a logarithm. Scale errors of
-/// gyroscopes, lags of filters and the influence of friction on an acceleration stay below 15 %. The
-/// nearest two factors of the list, 6.28 and 9.55, differ by 42 %.
-const NEAR: f64 = 0.15;
 
 /// Ratios between two units of the same quantity.
 const SIZES: [f64; 6] = [DEGREES, RPM, TAU, 1e3, 1e6, 1e9];

@@ -1,30 +1,20 @@
-//! A free swing compared with the motion of a pendulum: its period, the dependence of the period on the amplitude, and
-//! whether the body swings freely from the first sample on.
+//! A free swing compared with the motion of a pendulum: its period, and the dependence of the period on the amplitude.
 
-use bench_files::{Channel, Note};
-use identify::{AtAmplitude, Output, resolution};
+use bench_files::Channel;
+use identify::AtAmplitude;
 use plant::Kind;
 
 use crate::finding::{Finding, FindingId, Severity};
 use crate::slips::{DEGREES, short};
+use crate::thresholds::bench::PERIODS_S;
+use crate::thresholds::fit::STANDARD_ERRORS;
+use crate::thresholds::swing::{
+    AT_EITHER_END, CHANGE, FEWEST_ROUNDS, LEAST_AMPLITUDE, LEFT_OVER, LONGEST_SWING, TURNS_BACK_RAD,
+};
 use crate::units::Settled;
-use crate::view::{PERIODS_S, View, largest, median, range, scaled_decay};
+use crate::view::{View, agm, largest, median, scaled_decay};
 
 use std::f64::consts::{PI, TAU};
-
-/// Relative change of the period over the log above which its cause is searched for. Presliding and springs
-/// change it by up to 4 % (the thesis' own bench), a pendulum with an amplitude of 1 rad by 6.6 %.
-const CHANGE: f64 = 0.05;
-/// Share of that change that the right unit may leave.
-const LEFT_OVER: f64 = 0.25;
-/// Standard errors of the period by which the change must show.
-const STANDARD_ERRORS: f64 = 8.0;
-/// Number of periods averaged at each end of the compared range.
-const AT_EITHER_END: usize = 5;
-/// Smallest amplitude that is compared, as a share of the largest. The period of a pendulum changes with the square
-/// of the amplitude, so eight ninths of the change lie above it. The last swings before dry friction stops the body
-/// have periods of their own.
-const LEAST_AMPLITUDE: f64 = 1.0 / 3.0;
 
 pub(crate) fn check(view: &View, settled: &mut Settled, out: &mut Vec<Finding>) {
     if view.kind() != Kind::FreeSwing {
@@ -45,16 +35,7 @@ pub(crate) fn check(view: &View, settled: &mut Settled, out: &mut Vec<Finding>) 
     if decay.is_none() {
         goes_round(view, out);
     }
-    by_itself(view, out);
 }
-
-/// Way between two turning points, in turns, that a body without a motor does not make: once it has turned back, its
-/// energy is below that of the top, and so less than one turn lies between two turning points. A tenth is for the noise.
-const LONGEST_SWING: f64 = 1.1;
-/// Fewest such ways: a hand may have made the first.
-const FEWEST_ROUNDS: usize = 3;
-/// Way back, in rad, that shows a turning point.
-const TURNS_BACK_RAD: f64 = 1.0;
 
 /// Checks the range of an angle in which no swing can be seen.
 fn goes_round(view: &View, out: &mut Vec<Finding>) {
@@ -175,14 +156,6 @@ pub(crate) fn period(view: &View, period_s: f64, out: &mut Vec<Finding>) {
     );
 }
 
-/// Arithmetic-geometric mean; the period of a pendulum is T₀/agm(1, cos(A/2)).
-fn agm(mut a: f64, mut b: f64) -> f64 {
-    for _ in 0..20 {
-        (a, b) = (0.5 * (a + b), (a * b).sqrt());
-    }
-    a
-}
-
 /// Relative change of the period of small swings from the smallest amplitudes to the largest, if the
 /// true angle is `scale` times that of the points; `None` if the body would go over the top.
 fn change_of_period(periods: &[AtAmplitude], scale: f64) -> Option<f64> {
@@ -280,151 +253,6 @@ fn angle_unit(
         settled.add(view, Channel::Angle);
         settled.add(view, Channel::Rate);
     }
-}
-
-/// Range within which a body counts as still, in standard deviations of the noise.
-const STILL: f64 = 4.0;
-/// Share of a period for which the body may stand still at its first turning point: a release by hand takes that long.
-const RELEASE: f64 = 0.25;
-/// Growth of the turning points on one side, relative to the amplitude, above which a hand moved the body.
-const GAIN: f64 = 0.03;
-
-/// Checks for a body that is held first, or that gains energy: neither swings freely.
-fn by_itself(view: &View, out: &mut Vec<Finding>) {
-    let Some(angle) = view.samples(Channel::Angle) else {
-        return;
-    };
-    let time_s = &view.experiment.log.time_s;
-    let Some((low, high)) = range(angle) else {
-        return;
-    };
-    let half_range = 0.5 * (high - low);
-    let resolution = resolution(angle);
-    let still = (STILL * view.noise(Output::Angle))
-        .max(2.0 * resolution)
-        .max(0.02 * half_range);
-    if still > 0.3 * half_range {
-        return;
-    }
-    let (extremes, zero_rad) = turning_points(view, angle, still);
-    let Some(period_s) = usual_period_s(&extremes) else {
-        return;
-    };
-    let largest = extremes
-        .iter()
-        .max_by(|a, b| (a.1 - zero_rad).abs().total_cmp(&(b.1 - zero_rad).abs()));
-    let Some(&(largest_s, _)) = largest else {
-        return;
-    };
-
-    // The longest beginning during which the angle stays within a band.
-    let mut bounds = (f64::INFINITY, f64::NEG_INFINITY);
-    let held = angle
-        .iter()
-        .take_while(|x| {
-            if x.is_finite() {
-                bounds = (bounds.0.min(**x), bounds.1.max(**x));
-            }
-            bounds.1 - bounds.0 <= 2.0 * still || bounds.0 > bounds.1
-        })
-        .count();
-    let held_s = time_s[held.min(time_s.len() - 1)] - time_s[0];
-    let held_at = (0.5 * (bounds.0 + bounds.1) - zero_rad).abs();
-    let near_turning_s = period_s / TAU * 2.0 * (1.0 - 2.0 * still / half_range).acos();
-    if held < angle.len() && held_s > near_turning_s + RELEASE * period_s {
-        // A body held away from the hanging position is released; one held in the hanging position is lifted first.
-        let from_s = if held_at > 0.5 * half_range {
-            time_s[held.saturating_sub(1)]
-        } else {
-            largest_s
-        };
-        let sentence = format!(
-            "the body stands still for {} s before it swings: it was held, which is not part of the model",
-            short(held_s)
-        );
-        let finding = if held_s > 0.5 * period_s {
-            Finding::refusal(FindingId::HeldStart, sentence)
-        } else {
-            Finding::warning(FindingId::HeldStart, sentence)
-        };
-        out.push(
-            finding
-                .in_experiment(view.name())
-                .with_channel("angle")
-                .with_fix(format!("from = {}", rounded_up(from_s))),
-        );
-        return;
-    }
-    // What happened in a pause is unknown: the swing after it may be another one.
-    let mut notes = view.experiment.report.notes.iter();
-    if notes.any(|note| matches!(note, Note::Gap { .. })) {
-        return;
-    }
-    // The first stretch can begin in the middle of a swing, and so has no turning point.
-    let size = |point: &(f64, f64)| (point.1 - zero_rad).abs();
-    let least_gain = (GAIN * half_range).max(1.5 * still);
-    let gain = extremes
-        .iter()
-        .enumerate()
-        .skip(1)
-        .find_map(|(index, before)| {
-            let later = extremes[index + 1..].iter();
-            later
-                .filter(|after| (before.1 - zero_rad) * (after.1 - zero_rad) > 0.0)
-                .find(|after| size(after) > size(before) + least_gain)
-        });
-    if let Some(after) = gain {
-        out.push(
-            Finding::warning(
-                FindingId::Hand,
-                format!(
-                    "the swing grows at {} s without a current: a hand, or something else that the model \
-                     does not know, was on it",
-                    short(after.0)
-                ),
-            )
-            .in_experiment(view.name())
-            .with_channel("angle")
-            .with_fix(format!("from = {}", rounded_up(largest_s))),
-        );
-    }
-}
-
-/// A time rounded up to a few digits.
-fn rounded_up(time_s: f64) -> f64 {
-    (time_s * 1e3).ceil() / 1e3
-}
-
-/// The farthest point between every two crossings of the middle (time and angle), and the middle.
-fn turning_points(view: &View, angle: &[f64], clear: f64) -> (Vec<(f64, f64)>, f64) {
-    let time_s = &view.experiment.log.time_s;
-    // Late in the log, the swing is small, so the median is the rest position.
-    let zero = median(angle.to_vec()).unwrap_or(0.0);
-    let mut points: Vec<(f64, f64)> = vec![];
-    let mut side = 0.0;
-    for (t, x) in time_s.iter().zip(angle) {
-        let off = x - zero;
-        if off.abs() <= clear || !x.is_finite() {
-            continue;
-        }
-        if off.signum() != side {
-            side = off.signum();
-            points.push((*t, *x));
-        } else if let Some(last) = points.last_mut()
-            && off.abs() > (last.1 - zero).abs()
-        {
-            *last = (*t, *x);
-        }
-    }
-    (points, zero)
-}
-
-fn usual_period_s(extremes: &[(f64, f64)]) -> Option<f64> {
-    let halves: Vec<f64> = extremes
-        .windows(2)
-        .map(|pair| pair[1].0 - pair[0].0)
-        .collect();
-    (halves.len() >= 2).then(|| median(halves).map(|half| 2.0 * half))?
 }
 
 #[cfg(test)]

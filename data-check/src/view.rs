@@ -1,10 +1,14 @@
 //! The inputs of the checks: an experiment with its record, and the stated values of the bench.
 
+use std::f64::consts::PI;
+
 use bench_files::{Bench, Channel, Experiment};
 use identify::{FreeDecay, Output, Record, bumps};
 use plant::Kind;
 
 use crate::regression::{Ratio, ratio};
+use crate::thresholds::bench::{FEWEST_LINES, PERIODS_S};
+use crate::thresholds::fit::{FEWEST_POINTS, SHORTEST_BUMP};
 
 /// An experiment and its samples as fits use them.
 pub(crate) struct View<'b> {
@@ -13,16 +17,6 @@ pub(crate) struct View<'b> {
     /// Usual sampling interval, s.
     pub step_s: f64,
 }
-
-/// Range of the period of a pendulum on a bench, s. The equivalent length g T²/4π² goes from 2.5 mm to 60 m. With a
-/// counterweight, an arm of 0.3 m can have the latter; no arm has a thousandth or a thousand times these lengths.
-pub(crate) const PERIODS_S: std::ops::Range<f64> = 0.1..16.0;
-/// Smallest number of points for a line through two series.
-const FEWEST_POINTS: usize = 8;
-/// Fewest lines that are counted: so few could be seconds of a short look at a bench.
-const FEWEST_LINES: usize = 40;
-/// Smallest number of samples under a bump; `identify` uses no shorter ones.
-const SHORTEST_BUMP: usize = 12;
 
 impl<'b> View<'b> {
     pub fn new(experiment: &'b Experiment) -> View<'b> {
@@ -109,8 +103,8 @@ pub(crate) struct Facts {
 impl Facts {
     pub fn of(bench: &Bench, views: &[View]) -> Facts {
         let known = &bench.known;
-        let periods = views.iter().filter_map(period_s).collect();
-        let period_s = median(periods);
+        let periods = views.iter().filter_map(small_swing_period_s);
+        let period_s = median(periods.map(|(period_s, _)| period_s).collect());
         let products = [
             (known.wheel_mass, known.pivot_to_wheel),
             (known.body_mass, known.pivot_to_com),
@@ -182,11 +176,38 @@ fn travel(time_s: &[f64], rate: &[f64]) -> f64 {
     range(&angles).map_or(1.0, |(low, high)| (0.5 * (high - low)).max(1.0))
 }
 
-/// The period of a free swing, s, if a bench can have such a period.
-fn period_s(view: &View) -> Option<f64> {
-    let (decay, _) = scaled_decay(view)?;
-    let periods = decay.periods.iter().map(|period| period.value).collect();
-    median(periods).filter(|period| PERIODS_S.contains(period))
+/// The period of small swings in a free swing, s, with its standard error, if a bench can have such a period. It is
+/// taken from the swings above half of the largest amplitude: springs and presliding change those of the smallest ones.
+pub(crate) fn small_swing_period_s(view: &View) -> Option<(f64, f64)> {
+    let (decay, scale) = scaled_decay(view)?;
+    let amplitudes = decay.periods.iter().map(|point| point.amplitude_rad);
+    let largest = amplitudes.fold(0.0, f64::max);
+    let large = decay
+        .periods
+        .iter()
+        .filter(|point| 2.0 * point.amplitude_rad >= largest);
+    let small: Vec<(f64, f64)> = large
+        .map(|point| {
+            // An angle that would go over the top is in another unit, and is not corrected.
+            let amplitude = scale * point.amplitude_rad;
+            let factor = match amplitude < 0.99 * PI {
+                true => agm(1.0, (0.5 * amplitude).cos()),
+                false => 1.0,
+            };
+            (factor * point.value, factor * point.std)
+        })
+        .collect();
+    let std = median(small.iter().map(|(_, std)| *std).collect())? / (small.len() as f64).sqrt();
+    let period_s = median(small.into_iter().map(|(value, _)| value).collect())?;
+    PERIODS_S.contains(&period_s).then_some((period_s, std))
+}
+
+/// Arithmetic-geometric mean; the period of a pendulum is T₀/agm(1, cos(A/2)).
+pub(crate) fn agm(mut a: f64, mut b: f64) -> f64 {
+    for _ in 0..20 {
+        (a, b) = (0.5 * (a + b), (a * b).sqrt());
+    }
+    a
 }
 
 /// A channel as sentences name it.
@@ -217,4 +238,12 @@ pub(crate) fn range(values: &[f64]) -> Option<(f64, f64)> {
 pub(crate) fn largest(values: &[f64]) -> f64 {
     let finite = values.iter().filter(|value| value.is_finite());
     finite.fold(0.0, |most, value| most.max(value.abs()))
+}
+
+/// Number of different finite values.
+pub(crate) fn levels(values: &[f64]) -> usize {
+    let mut finite: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
+    finite.sort_unstable_by(f64::total_cmp);
+    finite.dedup();
+    finite.len()
 }

@@ -7,29 +7,13 @@ use plant::Kind;
 use crate::finding::{Finding, FindingId};
 use crate::regression::{LeastSquares, least_squares};
 use crate::slips::{DEGREES, RPM, short, slip};
+use crate::thresholds::bench::SHARE_OF_INERTIA;
+use crate::thresholds::fit::{EXPLAINED, STANDARD_ERRORS};
+use crate::thresholds::wheel::{
+    ALIKE, BELOW_ZERO, BENCH_CURRENT_A, BENCH_POWER_W, FASTEST_RAD_S, NO_EFFECT, OVER_LIMIT,
+    SAFE_VOLTAGE_V, USUAL_SHARE, USUAL_VOLTAGE_V,
+};
 use crate::view::{Facts, View, largest, median, range};
-
-/// Standard errors by which an acceleration per ampere must show before anything is reported.
-const STANDARD_ERRORS: f64 = 8.0;
-/// Share of a wheel's changes of speed that current and friction must explain before anything is reported.
-const EXPLAINED: f64 = 0.8;
-/// Largest voltage of a bench supply, V: above 60 V, direct voltage is no longer safe to touch (IEC 61140).
-/// A motor with a higher back-EMF cannot have been driven to that speed.
-const SAFE_VOLTAGE_V: f64 = 60.0;
-/// Largest voltage of usual bench supplies, V.
-const USUAL_VOLTAGE_V: f64 = 48.0;
-/// Largest mechanical power of a bench motor, W: five times what 60 V and 3 A give.
-const BENCH_POWER_W: f64 = 1000.0;
-/// Largest current of a bench drive, A.
-const BENCH_CURRENT_A: f64 = 100.0;
-/// Speed of the fastest motors with a flywheel, rad/s: 15000 rpm.
-const FASTEST_RAD_S: f64 = 1570.0;
-/// The wheel's share of the total inertia, j_w/Θ. The rim does not reach the pivot, so j_w < k² m_w and
-/// j_w/Θ < 1/2. A wheel whose radius of gyration is below a seventh of its distance from the pivot would have
-/// less than 1/49 of k² m_w, which is at least a quarter of Θ.
-pub(crate) const SHARE_OF_INERTIA: std::ops::Range<f64> = 0.005..0.5;
-/// Typical share for wheels that were built for the purpose; used only to choose between two possible units.
-const USUAL_SHARE: f64 = 0.06;
 
 /// The response of a wheel to its current.
 pub(crate) struct Answer {
@@ -149,12 +133,8 @@ fn is_backwards(view: &View) -> bool {
 /// Whether the wheel's speed never falls below 0 by more than its noise.
 fn is_never_negative(view: &View) -> bool {
     let speed = view.samples(Channel::WheelSpeed).unwrap_or_default();
-    range(speed).is_some_and(|(low, _)| low >= -10.0 * view.noise(Output::WheelSpeed))
+    range(speed).is_some_and(|(low, _)| low >= -BELOW_ZERO * view.noise(Output::WheelSpeed))
 }
-
-/// Ratio of the accelerations per ampere of two spin-ups, in either direction, that no effect of a motor causes
-/// (judgement: a dead zone that takes nine tenths of one current leaves a tenth of its torque).
-const NO_EFFECT: f64 = 20.0;
 
 /// Checks that all spin-ups of one wheel have the same acceleration per ampere.
 fn odd_one_out(spin_ups: &[(&View, f64)], out: &mut Vec<Finding>) {
@@ -164,7 +144,7 @@ fn odd_one_out(spin_ups: &[(&View, f64)], out: &mut Vec<Finding>) {
     let Some(usual) = median(spin_ups.iter().map(|(_, answer)| *answer).collect()) else {
         return;
     };
-    let agree = |answer: f64| (answer / usual).ln().abs() < 0.4;
+    let agree = |answer: f64| (answer / usual).ln().abs() < ALIKE;
     let agreeing = spin_ups.iter().filter(|(_, answer)| agree(*answer)).count();
     for (view, answer) in spin_ups.iter().filter(|(_, answer)| !agree(*answer)) {
         let whom = if agreeing > 1 {
@@ -438,7 +418,7 @@ fn size_of_current(bench: &Bench, view: &View, facts: &Facts, out: &mut Vec<Find
         .controller
         .map(|controller| controller.current_limit_a);
     if let (Kind::Balance, Some(limit)) = (view.kind(), limit)
-        && most > BENCH_CURRENT_A.min(20.0 * limit)
+        && most > BENCH_CURRENT_A.min(OVER_LIMIT * limit)
     {
         out.push(milliamperes(Finding::refusal(
             FindingId::CurrentFactor,

@@ -282,7 +282,13 @@ fn end_labels(page: &mut Page, frame: &Frame, traces: &[&StaircaseTrace], side: 
         End::First => (style::PAGE_MARGIN, frame.left - 10.0),
         End::Last => (frame.right() + 10.0, style::PAGE_WIDTH - style::PAGE_MARGIN),
     };
-    for ((trace, end, ratio), y) in ends.iter().zip(placed) {
+    let rooms: Vec<f64> = ends
+        .iter()
+        .map(|(_, _, ratio)| right - left - text::width(ratio, style::NOTE_SIZE) - 8.0)
+        .collect();
+    let names: Vec<&str> = ends.iter().map(|(trace, _, _)| trace.name).collect();
+    let names = text::shorten_apart(&names, style::NOTE_SIZE, &rooms);
+    for (((trace, end, ratio), y), name) in ends.iter().zip(placed).zip(&names) {
         let color = role(trace).color();
         let stroke = Stroke::solid("#C4C4C4", 0.8);
         let (from, to) = match side {
@@ -290,10 +296,8 @@ fn end_labels(page: &mut Page, frame: &Frame, traces: &[&StaircaseTrace], side: 
             End::Last => (end.0 + 5.0, left - 3.0),
         };
         page.svg.line((from, end.1), (to, y), stroke);
-        let room = right - left - text::width(ratio, style::NOTE_SIZE) - 8.0;
-        let name = text::shorten_middle(trace.name, style::NOTE_SIZE, room);
         page.svg
-            .text(Text::new(left, y + 3.6, style::NOTE_SIZE, color), &name);
+            .text(Text::new(left, y + 3.6, style::NOTE_SIZE, color), name);
         let at = Text::new(right, y + 3.6, style::NOTE_SIZE, color).anchor(Anchor::End);
         page.svg.text(at, ratio);
     }

@@ -61,6 +61,43 @@ pub(crate) fn shorten_middle(text: &str, size: f64, max_width: f64) -> String {
     head + &text[start..]
 }
 
+/// [`shorten_middle`] for several names, each with its own room. Where two names would become one, the beginning that all
+/// have in common is left out first: what they differ in must stay.
+pub(crate) fn shorten_apart(names: &[&str], size: f64, rooms: &[f64]) -> Vec<String> {
+    let shortened = |names: &[String]| -> Vec<String> {
+        let pairs = names.iter().zip(rooms);
+        pairs
+            .map(|(name, room)| shorten_middle(name, size, *room))
+            .collect()
+    };
+    let plain = shortened(
+        &names
+            .iter()
+            .map(|name| (*name).to_owned())
+            .collect::<Vec<_>>(),
+    );
+    let collide = (0..names.len())
+        .any(|k| (0..k).any(|other| plain[k] == plain[other] && names[k] != names[other]));
+    if !collide {
+        return plain;
+    }
+    let first = names.first().copied().unwrap_or_default();
+    let common = names.iter().fold(first, |common, name| {
+        let same = common.char_indices().zip(name.chars());
+        let end = same
+            .take_while(|((_, a), b)| a == b)
+            .last()
+            .map_or(0, |((index, c), _)| index + c.len_utf8());
+        &common[..end]
+    });
+    // Whole words, so that a number keeps all its digits.
+    let common = &common[..common.rfind([' ', '-', '_', '/']).map_or(0, |at| at + 1)];
+    let rest = names
+        .iter()
+        .map(|name| format!("…{}", &name[common.len()..]));
+    shortened(&rest.collect::<Vec<String>>())
+}
+
 /// `text` in lines of at most `max_width` pixels and at most `max_lines`
 /// lines; breaks at spaces and after hyphens, and shortens what is too long.
 pub(crate) fn wrap(text: &str, size: f64, max_width: f64, max_lines: usize) -> Vec<String> {
@@ -99,6 +136,32 @@ fn line_end(text: &str, size: f64, max_width: f64) -> usize {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn names_that_differ_in_their_middle_stay_apart() {
+        let names = [
+            "swing number 01 of thirty/angle",
+            "swing number 02 of thirty/angle",
+        ];
+        let short = shorten_apart(&names, 10.0, &[120.0, 120.0]);
+        assert!(
+            short[0].contains("01") && short[1].contains("02"),
+            "{short:?}"
+        );
+        assert!(short.iter().all(|name| width(name, 10.0) <= 120.0 + 1e-9));
+        // Names that stay apart keep their beginnings; equal names have nothing to differ in.
+        let names = ["a long name of a swing", "another name of a coast-down"];
+        let short = shorten_apart(&names, 10.0, &[80.0, 80.0]);
+        assert!(
+            short[0].starts_with("a lo") && short[1].starts_with("ano"),
+            "{short:?}"
+        );
+        let same = shorten_apart(&[names[0], names[0]], 10.0, &[80.0, 80.0]);
+        assert!(
+            same[0] == same[1] && same[0].starts_with("a lo"),
+            "{same:?}"
+        );
+    }
 
     proptest! {
         #[test]

@@ -28,9 +28,10 @@ pub struct Arguments {
 /// Runs the command. The model is that of model.toml; the bench is not changed.
 pub fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let mut session = Session::open_with_model(&arguments.bench, arguments.model.as_deref())?;
-    let html = with_progress(|progress| lab::report_of(&mut session, progress))?;
     let beside = || session.bench().folder.join("report.html");
     let path = arguments.out.clone().unwrap_or_else(beside);
+    bench_files::can_write(&path)?;
+    let html = with_progress(|progress| lab::report_of(&mut session, progress))?;
     bench_files::write_atomically(&path, html.as_bytes())?;
     Report::new(
         format!("Written: {}\n", path.display()),

@@ -1,5 +1,6 @@
 //! Torques that are learned as curves: adding them to a model, removing them, and their place in a diagnosis.
 
+use bench_files::numbers::number;
 use diagnose::Verdict;
 use identify::{Identification, Progress};
 use plant::{EffectId, LearnedCoordinate, LearnedCurve};
@@ -9,8 +10,12 @@ use crate::comparison::{correlation_of, effect_names, parameters_of};
 use crate::diagnosis::{DiagnosisReport, DiagnosisStep, FinalModel};
 use crate::error::Error;
 use crate::missing_torque::MissingTorque;
-use crate::per_series::{PerSeries, per_series};
+use crate::per_series::{PerSeries, SeriesName, per_series};
 use crate::session::Session;
+
+/// Error of a series, in units of its sensor's noise, from which a curve has left something: the mark that the exam of
+/// learned curves sets, too.
+const LEFT_BY_CURVE: f64 = 1.5;
 
 impl Session {
     /// Learns the torque that the model lacks over a coordinate (angle, rate, wheel_speed or wheel_angle) as a
@@ -24,14 +29,52 @@ impl Session {
         coordinate: &str,
         progress: &Progress,
     ) -> Result<EffectChange, Error> {
-        let placeholder = placeholder(named(coordinate)?);
+        let coordinate = named(coordinate)?;
+        let placeholder = placeholder(coordinate);
         let before = self.structure();
         let after = before
             .learned()
             .filter(|curve| curve.name() == placeholder.name())
             .fold(before.clone(), |model, curve| model.without(curve))
             .with(placeholder);
-        self.change(&before, &after, progress)
+        let mut change = self.change(&before, &after, progress)?;
+        let remark = self.too_fine(coordinate, &change);
+        change.after.statements.extend(remark);
+        Ok(change)
+    }
+
+    /// What a curve leaves although it was fitted: either the torque is no function of the coordinate alone, or it
+    /// changes more finely than the knots can follow. A spline's curve has one free value a knot, and so at most one
+    /// bump in two knots (as a sampled signal, by Nyquist); it follows one well from four on.
+    fn too_fine(&self, coordinate: LearnedCoordinate, change: &EffectChange) -> Option<String> {
+        let after = &change.after;
+        let over_noise = |(series, rmse): &(SeriesName, f64)| {
+            let noise = after.sensor_noise.of(series)?;
+            (*rmse > LEFT_BY_CURVE * noise && noise > 0.0)
+                .then(|| (rmse / noise, series.to_string()))
+        };
+        let worst = after.rmse.iter().filter_map(over_noise);
+        let (times, series) = worst.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let model = self.structure();
+        let mut curves = model.learned().filter_map(|curve| curve.info().learned);
+        let curve = curves.find(|curve| curve.coordinate == coordinate)?;
+        let knots = curve.spline.knots();
+        let count = knots.len();
+        let spacing = match coordinate.period() {
+            Some(period) => period / count as f64,
+            None => (knots[count - 1] - knots[0]) / (count - 1).max(1) as f64,
+        };
+        let unit = coordinate.unit();
+        Some(format!(
+            "with the curve, the error of {series} is still {} times the sensor's noise: the torque is no function of {} \
+             alone, or it changes more finely than the curve's {count} knots, {} {unit} apart on average, which follow \
+             bumps of four knots well ({} {unit}) and none of fewer than two. An effect of the library (wheel-cogging has \
+             any number of bumps a turn) or one of your own (effects/NAME.toml) has no such limit",
+            number(times),
+            coordinate.words(),
+            number(spacing),
+            number(4.0 * spacing)
+        ))
     }
 
     /// Removes a learned curve from the model and fits the model anew.

@@ -43,6 +43,15 @@ pub enum Problem {
         byte: u64,
     },
 
+    /// The file is no text, or no table.
+    #[error("this is {what}, and no table of numbers as text: {advice}")]
+    NoTable {
+        /// What it is.
+        what: &'static str,
+        /// How a table is made of it.
+        advice: &'static str,
+    },
+
     // --- TOML -------------------------------------------------------------------------------
     /// The text is not TOML.
     #[error("this is not TOML: {0}")]
@@ -396,17 +405,22 @@ pub enum Problem {
     },
     /// A line has more or fewer cells than the header.
     #[error(
-        "this line has {found} cells, but the header has {expected}; every line needs {expected}{}",
-        if *found == 2 * *expected { " (decimal commas need another separator, or quotation marks about each number)" } else { "" }
+        "this line has {found} {}, but the header has {expected}; every line needs {expected}{}",
+        if *found == 1 { "cell" } else { "cells" },
+        if hint.is_empty() && *found == 2 * *expected { " (decimal commas need another separator, or quotation marks about each number)" } else { hint }
     )]
     RaggedRow {
         /// Cells of the header.
         expected: u64,
         /// Cells of the line.
         found: u64,
+        /// What the line looks like.
+        hint: &'static str,
     },
     /// An empty cell in a column that is used.
-    #[error("the cell is empty; every sample needs a number here, or leave the line out")]
+    #[error(
+        "the cell is empty; every sample needs a number here: leave the line out, or the whole column where its sensor is slower than the others"
+    )]
     EmptyCell,
     /// A cell is not a number.
     #[error("\"{cell}\" is not a number; write it like -0.0125 or 1.25e-2{hint}")]
@@ -436,13 +450,15 @@ pub enum Problem {
     },
     /// Time goes backwards.
     #[error(
-        "time goes backwards, from {before_s} s to {after_s} s; lines must be in order of time, and a log that was started again must be cut into two files"
+        "time goes backwards, from {before_s} s to {after_s} s; lines must be in order of time, and a log that was started again must be cut into two files{hint}"
     )]
     TimeBackwards {
         /// Time of the line before, s.
         before_s: f64,
         /// Time of this line, s.
         after_s: f64,
+        /// What the step looks like.
+        hint: String,
     },
     /// Most lines repeat the time of the line before.
     #[error(
@@ -514,6 +530,7 @@ impl Problem {
                 | Problem::Unreadable(_)
                 | Problem::TooLarge { .. }
                 | Problem::NotUtf8 { .. }
+                | Problem::NoTable { .. }
                 | Problem::EmptyLog
                 | Problem::TwoReadings { .. }
                 | Problem::DuplicateColumn { .. }

@@ -85,6 +85,9 @@ pub(crate) fn read(
             // A number without a unit among others that have one could be in any unit.
             let is_like_the_first = *has_unit[k].get_or_insert(unit.is_some()) == unit.is_some();
             let Some(scale) = scale.filter(|_| is_like_the_first) else {
+                if row.is_clock(k) {
+                    row.number(k)?;
+                }
                 let (cell, key) = (shortened(row.text(k)), column.channel.key());
                 return Err(row.error(k, Problem::UnitInCell { cell, key }));
             };
@@ -106,6 +109,7 @@ pub(crate) fn read(
                 Problem::TimeBackwards {
                     before_s,
                     after_s: time_s,
+                    hint: starts_again(before_s, time_s, uses.first()),
                 },
             ));
         }
@@ -193,4 +197,23 @@ pub(crate) fn read(
         report,
         in_cells: in_cells.map(|(column, _)| column.channel).collect(),
     })
+}
+
+/// Numbers at which counters of 16, 31 and 32 bits start again.
+const COUNTERS: [f64; 3] = [65_536.0, 2_147_483_648.0, 4_294_967_296.0];
+
+/// The remark that a time goes backwards because its counter starts again, as a board's micros() does after 71 minutes.
+fn starts_again(before_s: f64, after_s: f64, time: Option<&ColumnUse>) -> String {
+    let raw = |time_s: f64| time.map_or(f64::NAN, |time| (time_s - time.offset) / time.scale);
+    let (before, after) = (raw(before_s), raw(after_s));
+    // A hundredth of the range is far more than one step.
+    let is_end = |size: &&f64| {
+        before < **size && before > 0.99 * **size && (0.0..0.01 * **size).contains(&after)
+    };
+    match COUNTERS.iter().find(is_end) {
+        Some(size) => format!(
+            "; here its counter starts again after {size:.0}: add {size:.0} to the column from this line on"
+        ),
+        None => String::new(),
+    }
 }

@@ -324,3 +324,80 @@ fn a_wrapped_angle_with_noise_is_unwrapped() {
     let steps = angle.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     assert!(steps.fold(0.0, f64::max) < 1.0, "{angle:?}");
 }
+
+/// A column of times of day, or of dates, is a time in seconds: with the standard name, with another, and with decimal
+/// commas.
+#[test]
+fn times_of_day_are_seconds() {
+    for (header, clock, separator, decimal) in [
+        ("time_s,angle_rad\n", "14:30:", ",", "."),
+        ("time_s,angle_rad\n", "2024-03-05T14:30:", ",", "."),
+        ("time_s;angle_rad\n", "05.03.2024 14:30:", ";", ","),
+        ("time_s\tangle_rad\n", "3/5/2024 14:30:", "\t", "."),
+    ] {
+        let mut log = header.to_owned();
+        for (time, angle) in (0..ROWS).map(value) {
+            let row = format!("{time:06.3}{separator}{angle:.4}\n");
+            log.push_str(clock);
+            log.push_str(&row.replace('.', decimal));
+        }
+        let found = load("", log.as_bytes()).unwrap_or_else(|error| panic!("{log}{error}"));
+        let first = found.log.time_s[0];
+        for row in 0..ROWS {
+            let (time, angle) = value(row);
+            assert!((found.log.time_s[row] - first - time).abs() < 1e-6, "{log}");
+            let seen = found.log.angle_rad.as_ref().expect("an angle")[row];
+            assert!((seen - angle).abs() < 1e-12, "{log}");
+        }
+    }
+}
+
+/// A line that is at fault is shown with what it looks like.
+#[test]
+fn faulty_lines_are_named_by_their_cause() {
+    let header = "time_s,angle_rad\n";
+    let rows: String = (0..8).map(|k| format!("{k}.0,0.{k}\n")).collect();
+    for (line, parts) in [
+        (
+            "time_s,angle_rad\n",
+            &["log.csv:10", "header line stands here again"][..],
+        ),
+        (
+            "// knocked here\n",
+            &["log.csv:10", "only lines that begin with #"],
+        ),
+        ("\"8.0,0.8\n", &["log.csv:10", "quotation mark", "1 cell,"]),
+        ("8.0\n", &["log.csv:10", "1 cell, but the header has 2"]),
+        ("8.0,\0\0\0,\n", &["log.csv:10", "zero bytes"]),
+        ("8.0,-nan(ind)\n", &["log.csv:10", "not a finite number"]),
+        ("8.0,#DIV/0!\n", &["log.csv:10", "not a finite number"]),
+        ("8.0,\n", &["log.csv:10", "slower than the others"]),
+    ] {
+        let log = format!("{header}{rows}{line}9.0,0.9\n");
+        let error = load("", log.as_bytes()).expect_err(line);
+        for part in parts {
+            assert!(error.contains(part), "{part} is not in: {error}");
+        }
+    }
+    // Where two files were joined, the mark of the second stands before a number.
+    let joined = format!("{header}{rows}\u{feff}8.0,0.8\n");
+    assert!(load("", joined.as_bytes()).is_ok());
+}
+
+/// micros() of a board starts again after 71 minutes; the line and what to add are said.
+#[test]
+fn a_counter_that_starts_again_is_named() {
+    let rows: String = (0..8_u64)
+        .map(|k| {
+            format!(
+                "{},0.{k}\n",
+                (4_294_967_296 - 20_000 + 5000 * k) % 4_294_967_296
+            )
+        })
+        .collect();
+    let more = "columns = { time = \"micros\" }\nunits = { time = \"us\" }";
+    let error = load(more, format!("micros,angle_rad\n{rows}").as_bytes()).expect_err("backwards");
+    for part in ["log.csv:6", "add 4294967296"] {
+        assert!(error.contains(part), "{part} is not in: {error}");
+    }
+}

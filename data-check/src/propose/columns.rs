@@ -2,6 +2,9 @@
 
 use bench_files::{Channel, Table, unit_of_name};
 
+use crate::thresholds::propose::FALLS;
+use crate::view::{largest, range};
+
 /// The proposal for one channel.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Mapped {
@@ -33,8 +36,8 @@ fn quantity(unit: &str) -> Quantity {
     }
 }
 
-const WHEEL: [&str; 8] = [
-    "wheel", "rpm", "motor", "phi", "rotor", "rad_s_w", "schwung", "drehzahl",
+const WHEEL: [&str; 9] = [
+    "wheel", "rpm", "motor", "phi", "φ", "rotor", "rad_s_w", "schwung", "drehzahl",
 ];
 const RATE: [&str; 11] = [
     "gyro",
@@ -49,13 +52,15 @@ const RATE: [&str; 11] = [
     "body_speed",
     "pend_vel",
 ];
-const ANGLE: [&str; 9] = [
-    "angle", "pend", "theta", "alpha", "pitch", "winkel", "tilt", "deg", "pos",
+const ANGLE: [&str; 11] = [
+    "angle", "pend", "theta", "θ", "alpha", "α", "pitch", "winkel", "tilt", "deg", "pos",
 ];
 /// Words for the wheel's angle in a column's name, in addition to the words for the wheel.
 const TURNED: [&str; 6] = ["angle", "pos", "winkel", "turn", "encoder", "count"];
 const CURRENT: [&str; 5] = ["current", "curr", "strom", "amp", "i_mot"];
-const TIME: [&str; 5] = ["time", "zeit", "millis", "stamp", "t_"];
+const TIME: [&str; 8] = [
+    "time", "zeit", "millis", "micros", "stamp", "epoch", "datum", "date",
+];
 
 /// The channel that name and unit suggest.
 fn named(name: &str, unit: Option<&str>) -> Option<Channel> {
@@ -71,7 +76,9 @@ fn named(name: &str, unit: Option<&str>) -> Option<Channel> {
         Some(Quantity::Speed) if of_wheel || unit == Some("rpm") => Some(Channel::WheelSpeed),
         Some(Quantity::Speed) if has(&RATE) || has(&ANGLE) => Some(Channel::Rate),
         Some(Quantity::Speed) => Some(Channel::WheelSpeed),
-        None if lower == "t" || has(&TIME) => Some(Channel::Time),
+        None if ["t", "ts"].contains(&lower.as_str()) || lower.starts_with("t_") || has(&TIME) => {
+            Some(Channel::Time)
+        }
         None if has(&CURRENT) || ["i", "cur"].contains(&lower.as_str()) => Some(Channel::Current),
         None if of_wheel && has(&TURNED) => Some(Channel::WheelAngle),
         None if of_wheel => Some(Channel::WheelSpeed),
@@ -92,6 +99,16 @@ fn rises(values: &[f64]) -> bool {
         && values[values.len() - 1] > values[0]
 }
 
+/// Whether a column with a time's name can be the time: it rises, or would but for a few lines, at which the log was started
+/// again or a counter began anew. Reading such a log says which line it is.
+fn rises_mostly(values: &[f64]) -> bool {
+    let falls = values.windows(2).filter(|pair| pair[1] < pair[0]).count();
+    values.iter().all(|value| value.is_finite())
+        && largest(values) > 0.0
+        && falls as f64 <= FALLS * values.len() as f64
+        && range(values).is_some_and(|(low, high)| low < high)
+}
+
 /// Whether the values are consecutive whole numbers: an index of rows, or milliseconds of a log at 1 kHz.
 pub(super) fn is_index(values: &[f64]) -> bool {
     rises(values) && values.windows(2).all(|pair| pair[1] - pair[0] == 1.0)
@@ -108,7 +125,9 @@ pub(super) fn mapped(table: &Table) -> Vec<Mapped> {
                 return None;
             }
             let values = &table.columns[index];
-            if named(name, unit) != Some(channel) || (channel == Channel::Time && !rises(values)) {
+            if named(name, unit) != Some(channel)
+                || (channel == Channel::Time && !rises_mostly(values))
+            {
                 return None;
             }
             let standard = name == channel.standard_name();

@@ -8,11 +8,20 @@ use plant::Kind;
 use super::columns::{Mapped, is_index};
 use crate::regression::least_squares;
 use crate::slips::short;
-use crate::view::{median, range};
+use crate::thresholds::constant::COMMAND_LEVELS;
+use crate::thresholds::propose::{ABOUT_UPRIGHT, FREE, HELD, LOCKED, REST, SHOWS};
+use crate::view::{levels, median, range};
 
 /// The question for a log in which a wheel turns and no column is its current.
 pub(super) const HELD_AT_WHAT: &str = "the current was not logged: constants = { current = … } says at what it was \
                                        held (0.0 for a coast-down)";
+
+/// The question for a wheel that is driven by a current of many values, as in a log of balancing.
+const BODY_CLAMPED: &str = "the file has neither angle nor rate of the body: was it clamped? If it was free, its angle or rate \
+                            is needed (kind = \"driven\" or \"balance\")";
+/// The question for a log in which everything moves and the angle is not there.
+const NO_ANGLE: &str = "the angle was not logged: did the body hang (kind = \"driven\") or balance upright (kind = \
+                        \"balance\")?";
 
 /// What is proposed, and why.
 pub(super) struct Guess {
@@ -22,17 +31,6 @@ pub(super) struct Guess {
     pub held_current_a: Option<(f64, String)>,
     pub questions: Vec<String>,
 }
-
-/// Largest distance of the angle from upright, in rad, in a log of balancing.
-const ABOUT_UPRIGHT: f64 = 0.6;
-/// Share of the amplitude up to which the rest position of a swing may differ from 0 without a question.
-const REST: f64 = 0.1;
-/// A wheel that travels against the body by less than this share of the body's travel is locked.
-const LOCKED: f64 = 0.1;
-/// Share by which the motion of a free wheel may differ from its own: friction and noise.
-const FREE: f64 = 0.1;
-/// A command counts as held if this share of its samples has the most frequent value.
-const HELD: f64 = 0.98;
 
 pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
     let samples = |channel: Channel| -> Option<Vec<f64>> {
@@ -69,7 +67,17 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
             guess.questions.push(HELD_AT_WHAT.to_owned());
             let of_column = command(table).or_else(|| which_current(table, mapped));
             guess.questions.extend(of_column);
+        } else if current
+            .as_deref()
+            .is_some_and(|current| levels(current) > COMMAND_LEVELS)
+        {
+            guess.questions.push(BODY_CLAMPED.to_owned());
         }
+        return guess;
+    }
+    if wheel.is_none() && !body {
+        guess.reason = "no name says what moves".to_owned();
+        guess.questions.extend(which_motion(table, mapped));
         return guess;
     }
     let time = samples(Channel::Time);
@@ -154,24 +162,46 @@ pub(super) fn guess(table: &Table, mapped: &[Mapped]) -> Guess {
 
 /// What to decide where no name says which column is the current: a driven wheel without one is most unlikely.
 fn which_current(table: &Table, mapped: &[Mapped]) -> Option<String> {
+    let names = moving(table, mapped);
+    names.first()?;
+    let names = one_of(&names);
+    Some(format!(
+        "no column is the current by its name: is it {names} (columns = {{ current = … }}), or was the motor off \
+         (constants = {{ current = 0.0 }})?"
+    ))
+}
+
+/// What to decide where no name says which column is the motion.
+fn which_motion(table: &Table, mapped: &[Mapped]) -> Option<String> {
+    let names = moving(table, mapped);
+    let first = names.first()?;
+    Some(format!(
+        "no column is an angle, a rate or the wheel's speed by its name: is it {}? columns = {{ angle = {first} }} names it; \
+         of a sensor that counts, scale = {{ angle = … }} is its rad per count (2 pi / counts a turn, or pi/180 times degrees \
+         a count), and offset what it shows hanging",
+        one_of(&names)
+    ))
+}
+
+/// The columns that change, have no use yet and are no index, in quotation marks.
+fn moving(table: &Table, mapped: &[Mapped]) -> Vec<String> {
     let is_free = |index: &usize| {
         let values = &table.columns[*index];
         let changes = range(values).is_some_and(|(low, high)| low < high);
         changes && !is_index(values) && !mapped.iter().any(|one| one.index == *index)
     };
-    let free = (0..table.names.len()).filter(is_free);
-    let names: Vec<String> = free
+    (0..table.names.len())
+        .filter(is_free)
         .map(|index| format!("\"{}\"", table.names[index]))
-        .collect();
-    let (first, more) = names.split_first()?;
-    let names = match more {
-        [] => first.clone(),
-        _ => format!("one of {first}, {}", more.join(", ")),
-    };
-    Some(format!(
-        "no column is the current by its name: is it {names} (columns = {{ current = … }}), or was the motor off \
-         (constants = {{ current = 0.0 }})?"
-    ))
+        .collect()
+}
+
+/// "\"a\"", or "one of \"a\", \"b\"".
+fn one_of(names: &[String]) -> String {
+    match names {
+        [one] => one.clone(),
+        _ => format!("one of {}", names.join(", ")),
+    }
 }
 
 /// Parts of names of a motor's command that is no current.
@@ -320,7 +350,10 @@ fn upright(
 ) {
     guess.kind = Kind::Driven;
     guess.reason = "wheel and body move".to_owned();
-    let Some(angle) = angle else { return };
+    let Some(angle) = angle else {
+        guess.questions.push(NO_ANGLE.to_owned());
+        return;
+    };
     let middle = median(angle.to_vec()).unwrap_or(0.0);
     if (middle.abs() - PI).abs() < ABOUT_UPRIGHT {
         guess.kind = Kind::Balance;
@@ -349,13 +382,13 @@ fn upright(
     }
     let found = least_squares(&rows, step as f64);
     match found {
-        Some(fit) if fit.coefficients[0] > 3.0 * fit.std[0] => {
+        Some(fit) if fit.coefficients[0] > SHOWS * fit.std[0] => {
             guess.kind = Kind::Balance;
             guess.reason = "the body accelerates away from the middle of its angles and is brought back: it balances".to_owned();
             let reason = format!("the angle is counted from upright, where it must be pi ({} to {})", short(low), short(high));
             guess.offset_rad = Some((PI, reason));
         }
-        Some(fit) if fit.coefficients[0] < -3.0 * fit.std[0] => {
+        Some(fit) if fit.coefficients[0] < -SHOWS * fit.std[0] => {
             guess.reason = "wheel and body move, and gravity brings the body back: it hangs".to_owned();
         }
         _ => guess.questions.push(

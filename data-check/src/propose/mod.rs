@@ -7,24 +7,27 @@
 mod choices;
 mod columns;
 mod kind;
+mod mend;
 mod text;
 
-use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use bench_files::{Bench, Channel, Error, FilesInMemory, Table};
 use plant::Kind;
 use serde::{Deserialize, Serialize};
 
-use crate::finding::{Finding, FindingId, Severity};
-use crate::slips::{DEGREES, RPM, short};
+use crate::finding::Finding;
+use crate::slips::short;
+use crate::thresholds::propose::JUMPS;
+use crate::view::median;
 pub use choices::{Choices, ColumnChoice, Corrections, units_of};
 use columns::Mapped;
+use mend::mend;
 
 /// Largest number of rows of a file that are read: minutes of a fast log.
 const MOST_ROWS: usize = 200_000;
 /// Largest number of corrections of a proposal.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 6;
 
 /// A proposed bench.toml.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -161,11 +164,22 @@ fn proposed(
                 break;
             }
         }
-        let mended = findings
-            .iter()
-            .filter(|finding| mend(&mut drafts, finding))
-            .count();
-        if mended == 0 {
+        let mut mended = false;
+        // One sign an experiment in each round: where one column has the wrong sign, several comparisons say so, and the
+        // first remedy may answer them all.
+        let mut turned: Vec<&Option<String>> = vec![];
+        for finding in &findings {
+            let is_sign = finding.factor == Some(-1.0);
+            if is_sign && turned.contains(&&finding.experiment) {
+                continue;
+            }
+            let is_mended = mend(&mut drafts, finding);
+            if is_sign && is_mended {
+                turned.push(&finding.experiment);
+            }
+            mended |= is_mended;
+        }
+        if !mended {
             break;
         }
     }
@@ -252,9 +266,6 @@ fn draft(name: String, file: String, table: &Table) -> Draft {
     }
 }
 
-/// Fewest jumps by a turn that show its unit.
-const JUMPS: usize = 2;
-
 /// The unit of an angle that has no stated unit and starts again after 360. No other quantity jumps by 360 several
 /// times.
 fn turn_of_360(angle: &mut Mapped, values: &[f64]) {
@@ -278,7 +289,8 @@ fn time_unit(time: &mut Mapped, values: &[f64], questions: &mut Vec<String>) {
     if time.unit.is_some() {
         return;
     }
-    let step = (values[values.len() - 1] - values[0]) / (values.len() - 1) as f64;
+    let steps = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let step = median(steps).unwrap_or(0.0);
     let unit = match step {
         step if step < 0.5 => "s",
         step if step < 500.0 => "ms",
@@ -294,165 +306,6 @@ fn time_unit(time: &mut Mapped, values: &[f64], questions: &mut Vec<String>) {
             time.column
         ));
     }
-}
-
-/// Corrects a draft as a finding requires. Returns `false` if only the user can.
-fn mend(drafts: &mut [Draft], finding: &Finding) -> bool {
-    let concerned = |draft: &&mut Draft| match &finding.experiment {
-        Some(name) => draft.name == *name,
-        None => draft.kind == Kind::SpinUp,
-    };
-    let mut changed = false;
-    for draft in drafts
-        .iter_mut()
-        .filter(concerned)
-        .filter(|draft| !draft.decided)
-    {
-        changed |= mend_one(draft, finding);
-    }
-    changed
-}
-
-fn mend_one(draft: &mut Draft, finding: &Finding) -> bool {
-    if finding.finding == FindingId::HeldStart || finding.finding == FindingId::Hand {
-        let from = finding.fix.strip_prefix("from = ");
-        let Some(from_s) = from.and_then(|text| text.parse().ok()) else {
-            return false;
-        };
-        if draft
-            .from_s
-            .as_ref()
-            .is_some_and(|(before, _)| *before >= from_s)
-        {
-            return false;
-        }
-        draft.from_s = Some((from_s, finding.sentence.clone()));
-        return true;
-    }
-    if finding.severity != Severity::Refuse {
-        return false;
-    }
-    if finding.finding == FindingId::AngleZero {
-        let offset = finding.fix.strip_prefix("offset = { angle = ");
-        let offset = offset.and_then(|text| text.split(" }").next()?.parse::<f64>().ok());
-        let Some(offset) = offset.filter(|_| draft.offset_rad.is_none()) else {
-            return false;
-        };
-        draft.offset_rad = Some((offset, finding.sentence.clone()));
-        if finding.fix.contains("kind = \"driven\"") {
-            draft.kind = Kind::Driven;
-            draft.kind_reason = finding.sentence.clone();
-        }
-        return true;
-    }
-    if finding.finding == FindingId::Wrapped {
-        return mend_wrapped(draft, finding);
-    }
-    if finding.finding == FindingId::WheelTurns || finding.finding == FindingId::BodyMoves {
-        draft.kind = Kind::Driven;
-        draft.kind_reason = finding.sentence.clone();
-        if !draft
-            .mapped
-            .iter()
-            .any(|one| one.channel == Channel::Current)
-        {
-            let reason = "the file has no current; if the motor was not off, correct it".to_owned();
-            draft.held_current_a = Some((0.0, reason));
-        }
-        return true;
-    }
-    let (Some(factor), Some(channel)) = (
-        finding.factor,
-        finding.channel.as_deref().and_then(Channel::from_key),
-    ) else {
-        return false;
-    };
-    let is = |size: f64| (factor / size - 1.0).abs() < 0.01;
-    if is(-1.0) {
-        // The file does not say which of two channels has the wrong sign.
-        draft
-            .questions
-            .push(format!("{}: {}", finding.sentence, finding.fix));
-        if draft.signs.iter().any(|(signed, _)| *signed == channel) {
-            return false;
-        }
-        draft.signs.push((channel, finding.sentence.clone()));
-        return true;
-    }
-    let (channel, unit) = if channel == Channel::Rate && is(1.0 / DEGREES) {
-        (Channel::Angle, "deg")
-    } else if is(1e3) && matches!(channel, Channel::Time | Channel::Rate) {
-        (Channel::Time, "ms")
-    } else if is(1e3) && channel == Channel::Angle {
-        (Channel::Angle, "mrad")
-    } else if is(1.0 / TAU) && channel == Channel::Angle {
-        (Channel::Angle, "rev")
-    } else if is(1.0 / TAU) {
-        (channel, "rev/s")
-    } else if is(1e3) && channel == Channel::Current {
-        (Channel::Current, "mA")
-    } else if is(1e6) {
-        (Channel::Time, "us")
-    } else if is(DEGREES) && channel == Channel::Angle {
-        (Channel::Angle, "deg")
-    } else if is(DEGREES) {
-        (channel, "deg/s")
-    } else if is(RPM) && matches!(channel, Channel::WheelSpeed | Channel::Rate) {
-        (channel, "rpm")
-    } else {
-        return false;
-    };
-    let Some(mapped) = draft.mapped.iter_mut().find(|one| one.channel == channel) else {
-        return false;
-    };
-    if mapped.unit == Some(unit) {
-        return false;
-    }
-    mapped.unit = Some(unit);
-    mapped.reason = finding.sentence.clone();
-    true
-}
-
-/// A sensor that starts again after a turn shows an angle, in the unit in which its range is one.
-fn mend_wrapped(draft: &mut Draft, finding: &Finding) -> bool {
-    let (Some(turns), Some(channel)) = (
-        finding.factor,
-        finding.channel.as_deref().and_then(Channel::from_key),
-    ) else {
-        return false;
-    };
-    let is = |size: f64| (turns / size - 1.0).abs() < 0.03;
-    let unit = [
-        (1.0, "rad"),
-        (DEGREES, "deg"),
-        (1.0 / TAU, "rev"),
-        (1e3, "mrad"),
-    ]
-    .into_iter()
-    .find(|(size, _)| is(*size))
-    .map(|(_, unit)| unit);
-    let has_angle = draft
-        .mapped
-        .iter()
-        .any(|one| one.channel == Channel::WheelAngle);
-    let Some(mapped) = draft.mapped.iter_mut().find(|one| one.channel == channel) else {
-        return false;
-    };
-    let Some(unit) = unit else {
-        // Counts: only the user knows how many are a turn.
-        let question = format!("{}: {}", finding.sentence, finding.fix);
-        if !draft.questions.contains(&question) {
-            draft.questions.push(question);
-        }
-        return false;
-    };
-    let before = (mapped.channel, mapped.unit);
-    if channel == Channel::WheelSpeed && !has_angle {
-        mapped.channel = Channel::WheelAngle;
-    }
-    mapped.unit = Some(unit);
-    mapped.reason = finding.sentence.clone();
-    before != (mapped.channel, mapped.unit)
 }
 
 impl Draft {

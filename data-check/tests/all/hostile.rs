@@ -247,16 +247,7 @@ fn a_current_without_a_name_is_asked_for() {
         .iter_mut()
         .find(|(name, _)| *name == "current_A");
     current.expect("a current").0 = "x3";
-    let names: Vec<&str> = log.columns.iter().map(|(name, _)| *name).collect();
-    let mut text = names.join(",") + "\n";
-    for row in 0..log.columns[0].1.len() {
-        let cells = log
-            .columns
-            .iter()
-            .map(|(_, column)| format!("{:.6}", column[row]));
-        text.push_str(&(cells.collect::<Vec<String>>().join(",") + "\n"));
-    }
-    std::fs::write(&file, text).expect("a log");
+    std::fs::write(&file, log.text()).expect("a log");
     let proposal = propose(folder.path(), &[file]).expect("a proposal");
     let questions = &proposal.experiments[0].questions;
     assert!(

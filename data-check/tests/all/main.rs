@@ -7,4 +7,5 @@ mod kinds;
 mod known_faults;
 mod matrix;
 mod recordings;
+mod silent;
 mod simulated;

@@ -36,6 +36,21 @@ impl Log {
         &mut found.unwrap_or_else(|| panic!("no {name}")).1
     }
 
+    /// The log as a CSV file.
+    pub fn text(&self) -> String {
+        let names: Vec<&str> = self.columns.iter().map(|(name, _)| *name).collect();
+        let mut text = names.join(",") + "\n";
+        for row in 0..self.columns[0].1.len() {
+            let cells: Vec<String> = self
+                .columns
+                .iter()
+                .map(|(_, column)| format!("{:.7}", column[row]))
+                .collect();
+            text.push_str(&(cells.join(",") + "\n"));
+        }
+        text
+    }
+
     pub fn scale(&mut self, name: &str, factor: f64) {
         self.column(name).iter_mut().for_each(|x| *x *= factor);
     }
@@ -98,7 +113,7 @@ impl Numbers {
             .collect()
     }
 
-    fn run(
+    pub fn run(
         &self,
         kind: Kind,
         start: State<f64>,
@@ -296,17 +311,7 @@ impl Numbers {
                 log.kind.name(),
                 log.more
             ));
-            let names: Vec<&str> = log.columns.iter().map(|(name, _)| *name).collect();
-            let mut text = names.join(",") + "\n";
-            for row in 0..log.columns[0].1.len() {
-                let cells: Vec<String> = log
-                    .columns
-                    .iter()
-                    .map(|(_, column)| format!("{:.7}", column[row]))
-                    .collect();
-                text.push_str(&(cells.join(",") + "\n"));
-            }
-            files.insert(format!("{name}.csv"), text);
+            files.insert(format!("{name}.csv"), log.text());
         }
         files.insert("bench.toml", toml);
         Bench::from_files(&files)

@@ -278,3 +278,73 @@ fn an_encoder_on_the_wheel_says_where_each_log_begins() {
     let problem = problem_of(records.collect(), &truth(pull(1.0, 2e-3, 0.5, 0.7)));
     learns_in(&problem, LearnedCoordinate::WheelAngle, 1, SEED);
 }
+
+/// Ten benches whose hidden torque has numbers drawn by lot: magnets and soft stops over the angle, resonances over both
+/// speeds, pulls over the wheel's angle.
+#[test]
+#[ignore = "run apart: minutes on ten benches"]
+fn ten_drawn_benches_with_a_torque_over_one_coordinate() {
+    use rand::{RngExt, SeedableRng};
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(SEED);
+    let mut between = move |low: f64, high: f64| rng.random_range(low..high);
+    let hanging = SWINGS.map(swing);
+    let moving = [
+        driven(0.0, 0.3),
+        driven(0.3, 0.4),
+        coast_down(80.0),
+        coast_down(-60.0),
+    ];
+    let square_waves = [
+        driven(0.0, 0.1),
+        driven(0.3, 0.2),
+        driven(0.0, 0.3),
+        driven(0.4, 0.4),
+    ];
+    for seed in 0..10 {
+        let (hidden, plans, coordinate) = match seed % 5 {
+            0 => {
+                let magnet = [between(2e-3, 6e-3), between(-0.2, 0.2), between(0.06, 0.15)];
+                println!("a magnet: {magnet:?}");
+                let hidden = Hidden::Outsider(Outsider::MagnetNearAnAngle, magnet);
+                (hidden, &hanging, LearnedCoordinate::Angle)
+            }
+            1 => {
+                let stop = [between(0.01, 0.04), between(0.2, 0.4), 0.0];
+                println!("a soft stop: {stop:?}");
+                let hidden = Hidden::Outsider(Outsider::SoftStop, stop);
+                (hidden, &hanging, LearnedCoordinate::Angle)
+            }
+            2 => {
+                let (peak, at, width) =
+                    (between(8e-4, 2e-3), between(1.0, 2.5), between(0.35, 0.7));
+                println!("a resonance of the pivot: {peak} N m at {at} rad/s, {width} rad/s");
+                let hidden = acting(true, move |at_instant| {
+                    let z = (at_instant.rate_rad_s.abs() - at) / width;
+                    -peak * (-z * z).exp() * at_instant.rate_rad_s.signum()
+                });
+                (hidden, &hanging, LearnedCoordinate::Rate)
+            }
+            3 => {
+                let (peak, at, width) = (
+                    between(1e-3, 2e-3),
+                    between(25.0, 50.0),
+                    between(10.0, 20.0),
+                );
+                println!("a resonance of the wheel: {peak} N m at {at} rad/s, {width} rad/s");
+                let hidden = acting(false, move |at_instant| {
+                    let z = (at_instant.wheel_speed_rad_s.abs() - at) / width;
+                    -peak * (-z * z).exp() * at_instant.wheel_speed_rad_s.signum()
+                });
+                (hidden, &moving, LearnedCoordinate::WheelSpeed)
+            }
+            _ => {
+                let per_turn = between(1.0, 4.0).floor();
+                let (width, phase) = (between(0.5, 0.7), between(0.0, 6.0));
+                println!("a pull: {per_turn} a turn, width {width}, phase {phase} rad");
+                let hidden = pull(per_turn, 2e-3, width, phase);
+                (hidden, &square_waves, LearnedCoordinate::WheelAngle)
+            }
+        };
+        learns_drawn(hidden, plans, coordinate, 1, seed);
+    }
+}

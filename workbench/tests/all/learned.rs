@@ -84,6 +84,7 @@ fn a_learned_curve_lowers_the_error_and_explains_nothing() {
     println!("{before:.2} -> {after:.2}");
     assert!(before > 5.0 && after < 1.5, "{before} -> {after}");
     assert!(change.after.effects.contains(&"learned-angle".to_owned()));
+    assert!(!has_left(&change.after.statements));
 
     // The model that is written and read again makes the same predictions.
     let text = session.model().expect("a model").to_toml();
@@ -131,6 +132,23 @@ fn a_learned_curve_lowers_the_error_and_explains_nothing() {
             .to_toml()
             .contains("learned")
     );
+}
+
+/// Whether a statement says that the curve left something.
+fn has_left(statements: &[String]) -> bool {
+    statements.iter().any(|one| one.contains("knots"))
+}
+
+/// A ripple with a period of 0.06 rad: the swing of 52 degrees has a knot every 0.08 rad at best.
+#[test]
+fn a_torque_finer_than_the_knots_is_said_to_be() {
+    let ripple = |angle: f64| 4e-3 * (std::f64::consts::TAU * angle / 0.06).sin();
+    let mut session = session_of(magnet::files_of(ripple, 0.0), &[]);
+    session.identify(&silent()).expect("a fit");
+    let change = session.add_learned("angle", &silent()).expect("a curve");
+    println!("{:?}", change.after.statements);
+    assert!(worst(&change.after.rmse) > 1.5);
+    assert!(has_left(&change.after.statements));
 }
 
 fn curve_slopes(file: &ModelFile) -> Vec<String> {

@@ -37,18 +37,23 @@ pub fn files() -> Vec<(&'static str, String)> {
 
 /// Its files if the pivot also has dry friction of this torque, N m.
 pub fn files_with_dry_friction(dry_nm: f64) -> Vec<(&'static str, String)> {
+    files_of(torque, dry_nm)
+}
+
+/// The files of a bench with this torque over the angle in the place of the magnet's, N m.
+pub fn files_of(pull: fn(f64) -> f64, dry_nm: f64) -> Vec<(&'static str, String)> {
     vec![
         ("bench.toml", BENCH.to_owned()),
-        ("swing-20.csv", swing(20.0, dry_nm, 1)),
-        ("swing-52.csv", swing(52.0, dry_nm, 2)),
+        ("swing-20.csv", swing(20.0, pull, dry_nm, 1)),
+        ("swing-52.csv", swing(52.0, pull, dry_nm, 2)),
     ]
 }
 
 /// A swing of 30 s, Runge–Kutta of order 4 with half a millisecond, and the noise of the thesis' sensors.
-fn swing(degrees: f64, dry_nm: f64, seed: u64) -> String {
+fn swing(degrees: f64, pull: fn(f64) -> f64, dry_nm: f64, seed: u64) -> String {
     let acceleration = |angle: f64, rate: f64| {
         let friction = VISCOUS * rate + dry_nm * (rate / 0.01).tanh();
-        (torque(angle) - GRAVITY * angle.sin() - friction) / TOTAL
+        (pull(angle) - GRAVITY * angle.sin() - friction) / TOTAL
     };
     let mut state = seed;
     let mut noise = || -> f64 {

@@ -217,7 +217,7 @@ fn logs() {
             "free-swing",
             "",
             b"time_s,angle_rad\n0,0.1\n0.1\n".to_vec(),
-            &["log.csv:3", "1 cells", "header has 2"],
+            &["log.csv:3", "1 cell,", "header has 2"],
         ),
         (
             "a long row after CRLF, blank and comment lines",
