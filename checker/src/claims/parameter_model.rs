@@ -195,24 +195,32 @@ impl Model {
         (stability, moved.or(by_width))
     }
 
-    /// The entries of A and B; `None` where an inertia may be zero.
-    fn accelerations<R: Number>(&self, p: &[R]) -> Option<Accelerations<R>> {
+    /// What multiplies angle, rate, wheel speed and held current in the torques on the body, without signs.
+    fn torques<R: Number>(&self, p: &[R]) -> [R; 4] {
         let point = R::constant;
-        let over_d = p[0].minus(&p[1]).over()?;
-        let over_wheel = p[1].over()?;
-        let friction = p[4]
-            .plus(&point(&self.extra_friction))
-            .plus(&p[6].times(&point(&self.dry_slope)));
         // The back-EMF brakes the wheel against the body, as friction between them does.
         let braking = p[3].times(&p[3]).times(&point(&self.conductance));
-        let between = p[5].plus(&braking);
+        [
+            p[2].plus(&point(&self.extra_gravity)),
+            p[4].plus(&point(&self.extra_friction))
+                .plus(&p[6].times(&point(&self.dry_slope))),
+            p[5].plus(&braking),
+            p[3].clone(),
+        ]
+    }
+
+    /// The entries of A and B; `None` where an inertia may be zero.
+    fn accelerations<R: Number>(&self, p: &[R]) -> Option<Accelerations<R>> {
+        let over_d = p[0].minus(&p[1]).over()?;
+        let over_wheel = p[1].over()?;
+        let [gravity, friction, between, torque] = self.torques(p);
         Some(Accelerations {
-            gravity: p[2].plus(&point(&self.extra_gravity)).times(&over_d),
+            gravity: gravity.times(&over_d),
             friction: friction.times(&over_d),
             drag: between.times(&over_d),
-            push: p[3].times(&over_d),
+            push: torque.times(&over_d),
             wheel_drag: between.times(&over_wheel),
-            wheel_push: p[3].times(&over_wheel),
+            wheel_push: torque.times(&over_wheel),
         })
     }
 
@@ -222,28 +230,41 @@ impl Model {
         let p: Vec<Enclosure> = both
             .map(|(value, radius)| Enclosure::new(&(value - radius), &(value + radius)))
             .collect();
-        let found = self.accelerations(&p)?;
+        let d = &region.values[0] - &region.values[1];
+        // Another inertia of the body scales its acceleration.
+        let scale = &Enclosure::point(&d) * &(&p[0] - &p[1]).reciprocal()?;
+        let torques = self.torques(&p);
+        let over_d = Enclosure::point(&d.recip());
+        let over_wheel = p[1].reciprocal()?;
         let stated = HeldLoop::of(certificate);
         let [_, body, wheel] = &stated.a;
-        let size = |found: &Enclosure, stated: BigRational| {
-            let off = (found - &Enclosure::point(&stated)).magnitude();
-            BigRational::from(off.largest()) * power_of_two(-192)
+        let size =
+            |off: &Enclosure| BigRational::from(off.magnitude().largest()) * power_of_two(-192);
+        let off = |found: Enclosure, stated: &BigRational| &found - &Enclosure::point(stated);
+        let of_body = |index: usize, sign: i128, stated: &BigRational| {
+            let sign = Enclosure::point(&integer(sign));
+            let found = &(&torques[index] * &over_d) * &sign;
+            size(&(&off(found, stated) * &scale))
         };
         // ψ̈ is the sum of both rows.
         let own = |j: usize| &wheel[j] + &body[j];
-        let nothing = Enclosure::zero();
+        let nothing = Enclosure::zero;
         Some(PlantOff {
+            scale: size(&off(scale.clone(), &integer(1))),
             body: [
-                size(&found.gravity, body[0].clone()),
-                size(&-&found.friction, body[1].clone()),
-                size(&found.drag, body[2].clone()),
-                size(&-&found.push, stated.b[1].clone()),
+                of_body(0, 1, &body[0]),
+                of_body(1, -1, &body[1]),
+                of_body(2, 1, &body[2]),
+                of_body(3, -1, &stated.b[1]),
             ],
             wheel: [
-                size(&nothing, own(0)),
-                size(&nothing, own(1)),
-                size(&-&found.wheel_drag, own(2)),
-                size(&found.wheel_push, &stated.b[2] + &stated.b[1]),
+                size(&off(nothing(), &own(0))),
+                size(&off(nothing(), &own(1))),
+                size(&off(-&(&torques[2] * &over_wheel), &own(2))),
+                size(&off(
+                    &torques[3] * &over_wheel,
+                    &(&stated.b[2] + &stated.b[1]),
+                )),
             ],
         })
     }
