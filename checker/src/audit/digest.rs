@@ -64,8 +64,8 @@ fn collect(stream: TokenStream, tokens: &mut Vec<String>) {
     }
 }
 
-/// `[doc = "…"]`, the form of `/// …`, or `[cfg_attr(…)]`, under which the reader allows only contracts.
-/// rustc compiles neither, and contracts are proved again in every run.
+/// `[doc = "…"]`, the form of `/// …`, or a contract for Kani. rustc compiles neither, and contracts are proved again in
+/// every run.
 fn is_no_code(tree: &TokenTree) -> bool {
     let TokenTree::Group(group) = tree else {
         return false;
@@ -78,9 +78,35 @@ fn is_no_code(tree: &TokenTree) -> bool {
                 TokenTree::Punct(_),
                 TokenTree::Literal(_),
             ] => name == "doc",
-            [TokenTree::Ident(name), TokenTree::Group(_)] => name == "cfg_attr",
+            [TokenTree::Ident(name), TokenTree::Group(list)] => {
+                name == "cfg_attr" && is_contract(list.stream())
+            }
             _ => false,
         }
+}
+
+/// `kani, kani::requires(…)`, with `any()` in place of the first word and `ensures` in place of the last, and nothing else:
+/// any other attribute could take the item away, from a harness as well.
+fn is_contract(list: TokenStream) -> bool {
+    let words: Vec<String> = list.into_iter().map(|tree| tree.to_string()).collect();
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    let rest = match words.as_slice() {
+        ["kani", rest @ ..] | ["any", "()", rest @ ..] => rest,
+        _ => return false,
+    };
+    match rest {
+        [",", "kani", ":", ":", "requires" | "ensures", condition]
+        | [
+            ",",
+            "kani",
+            ":",
+            ":",
+            "requires" | "ensures",
+            condition,
+            ",",
+        ] => condition.starts_with('('),
+        _ => false,
+    }
 }
 
 /// The tokens, with `0` for each integer that is a whole value, and `IxFy` for each format.
@@ -143,6 +169,26 @@ mod tests {
             ("a: i32", "a: i64"),
         ] {
             assert_ne!(own, digest("src/root.rs", &text.replace(from, to)), "{to}");
+        }
+        let contract = |attribute: &str| format!("{attribute}\n{text}");
+        for no_code in [
+            "#[cfg_attr(kani, kani::requires(a > 0))]",
+            "#[cfg_attr(any(), kani::ensures(|r| *r > 0))]",
+        ] {
+            assert_eq!(own, digest("src/root.rs", &contract(no_code)), "{no_code}");
+        }
+        // What takes a harness away, or an item, is code.
+        for code in [
+            "#[cfg_attr(all(), cfg(any()))]",
+            "#[cfg_attr(kani, cfg(not(kani)))]",
+            "#![cfg_attr(kani, cfg(not(kani)))]",
+            "#[cfg_attr(kani, kani::requires(true), cfg(any()))]",
+            "#[cfg_attr(not(kani), kani::requires(true))]",
+            "#[cfg_attr(any(x), kani::requires(true))]",
+        ] {
+            for path in ["src/root.rs", "verify/src/proofs.rs"] {
+                assert_ne!(own, digest(path, &contract(code)), "{code}");
+            }
         }
         let numbers = "pub const A: Line = Line { low: -5, ends: [1, 2] };\npub type T = fixed::types::I3F29;\nconst H: i64 = 1_i64 << (S - 1);\n";
         let own = digest("src/constants.rs", numbers);

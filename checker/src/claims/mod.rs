@@ -12,6 +12,7 @@
 //! | [`encoder_exact`], [`encoder_loop_stable`] | of encoders, and of the loop with them or with a voltage drive |
 //! | [`closed_loop_stable`], [`bias_observer_stable`], [`closed_loop_for_all_time`], [`closed_loop_second`], [`region_of_attraction`], [`stable_for_parameters`] | of the loop |
 //! | [`loop_from_rest`] | `closed-loop-for-all-time` and `region-of-attraction` with the window of an encoder |
+//! | `parameter_model`, `parameter_region` | the linear model as a function of its parameters, and which of them identification allows |
 //! | [`control_law`] | the law that the source implements |
 //! | [`sampling`] | the sampled model compared with the continuous one |
 //! | [`bias_observer_numbers`], [`bias_observer_words`] | the observer of the angle's bias |
@@ -54,6 +55,7 @@ pub mod model_matches;
 pub mod monitor;
 pub mod named_words;
 pub mod outcome;
+pub(crate) mod parameter_model;
 pub(crate) mod parameter_region;
 pub mod physical_signs;
 pub mod primitives;

@@ -79,7 +79,7 @@ pub fn by_exact_arithmetic(
     };
     match check(certificate, stated, bounds, law) {
         Ok(region) => ClaimOutcome::Proved(format!(
-            "from rest at up to {} rad; from {} of the ellipsoid (angle up to {} rad, rate {} rad/s, wheel speed {} rad/s) into {} of it",
+            "from rest at up to {} rad; from {} times the ellipsoid (which reaches {} rad, {} rad/s and {} rad/s, not all at once) into {} times it",
             rounded_up(
                 &((&region.from_rest * power(10, 4)).floor() * power(10, -4)),
                 4

@@ -92,6 +92,10 @@ fn strays(directory: &Path) -> Result<Vec<String>, EmittedError> {
         ".cargo",
         "rust-toolchain",
         "rust-toolchain.toml",
+        // Cargo finds targets in these by itself.
+        "benches",
+        "examples",
+        "tests",
     ];
     let mut strays: Vec<String> = picked_up
         .into_iter()

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::certificate::reader::Certificate;
-use crate::claims::outcome::ClaimOutcome;
+use crate::claims::compiled_agrees;
+use crate::claims::outcome::{COMPILED, ClaimOutcome};
 use crate::language::emitted::Emitted;
 use crate::mutate::comparison::{Likeness, compared};
 use crate::mutate::mutants::{Mutant, applied};
@@ -77,6 +78,9 @@ const SETTINGS: ProofSettings = ProofSettings {
     filter_length: false,
 };
 
+/// Random words for each function of a compiled mutant.
+const COMPILED_CASES: usize = 100;
+
 /// The claims that fail: the quick engines run first, the slower ones only if these detect nothing.
 pub fn notices(emitted: &Emitted, certificate: &Certificate) -> Vec<Notice> {
     let slower = ProofSettings {
@@ -108,6 +112,13 @@ fn failures(emitted: &Emitted, certificate: &Certificate, settings: &ProofSettin
         .collect()
 }
 
+/// The damaged crate, compiled, beside the reader of the undamaged one.
+fn compiled(emitted: &Emitted, damaged: &Emitted) -> Option<ClaimOutcome> {
+    let module = emitted.module().ok()?;
+    let outcome = compiled_agrees::by_running(damaged, &module, COMPILED_CASES, SETTINGS.seed);
+    Some(outcome)
+}
+
 /// Runs the engines on one mutant.
 pub fn judged(emitted: &Emitted, certificate: &Certificate, mutant: Mutant) -> MutantVerdict {
     let mut damaged = emitted.clone();
@@ -119,8 +130,24 @@ pub fn judged(emitted: &Emitted, certificate: &Certificate, mutant: Mutant) -> M
             *text = applied(text, &mutant);
         }
     }
-    let noticed = notices(&damaged, certificate);
-    let (fate, reason) = if noticed.is_empty() {
+    let mut noticed = notices(&damaged, certificate);
+    let mut is_the_same = None;
+    // The reader takes no type for granted, and none that rustc would refuse; what it reads as the same words may be
+    // refused, or be others, when it is compiled. A build takes seconds, so it comes last.
+    if noticed.is_empty() && mutant.kind == "type" {
+        match compiled(emitted, &damaged) {
+            Some(ClaimOutcome::Failed(_)) => noticed.push(Notice {
+                claim: "compiled-agrees".to_owned(),
+                engine: COMPILED,
+            }),
+            Some(ClaimOutcome::Tested(runs, _)) => is_the_same = Some(runs),
+            _ => {}
+        }
+    }
+    let (fate, reason) = if let Some(runs) = is_the_same {
+        let why = format!("compiled, it computes the undamaged words in {runs} runs");
+        (Fate::NoDifferenceFound, why)
+    } else if noticed.is_empty() {
         match compared(emitted, &damaged, &mutant) {
             Some((Likeness::Proved, why)) => (Fate::Same, why),
             Some((Likeness::Sampled, why)) => (Fate::NoDifferenceFound, why),

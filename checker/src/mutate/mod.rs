@@ -6,8 +6,8 @@
 //! made conditional. Documentation is not changed. The manifest and the head of `src/lib.rs` are
 //! damaged line by line.
 //!
-//! The mutants are not compiled: one that `rustc` would refuse counts as detected only if an engine
-//! detects it.
+//! A mutant that `rustc` would refuse counts as detected only if an engine detects it. Only changed types are compiled, and of
+//! them those that no other engine detects.
 
 pub mod comparison;
 pub mod judgement;

@@ -62,8 +62,7 @@ pub fn settle_telling(
     table.add("model-matches", READER, || match model {
         Some(text) => model_matches::by_reading(certificate, text),
         None => ClaimOutcome::NotApplicable(
-            "no model was given (--model): the numbers are those that the certificate states"
-                .to_owned(),
+            "no model was given: the numbers are those that the certificate states".to_owned(),
         ),
     });
     let start = Instant::now();
@@ -362,13 +361,19 @@ fn loop_claims(
         bounds = found;
         outcome
     });
+    let mut second_region = None;
     table.add("closed-loop-for-all-time", PYTHON, || {
-        if certificate.closed_loop.is_none() {
+        let from_rest = loop_from_rest::applies(certificate);
+        if certificate.closed_loop.is_none() && !from_rest {
             ClaimOutcome::NotRun("the certificate states no bounds".to_owned())
-        } else if settings.python {
-            closed_loop_second::by_python(emitted)
-        } else {
+        } else if !settings.python {
             ClaimOutcome::NotRun("switched off".to_owned())
+        } else if from_rest {
+            let (for_all_time, region) = closed_loop_second::from_rest_by_python(emitted);
+            second_region = Some(region);
+            for_all_time
+        } else {
+            closed_loop_second::by_python(emitted)
         }
     });
     table.add("closed-loop-agreement", EXACT, || {
@@ -387,6 +392,16 @@ fn loop_claims(
             }
             found => found,
         }
+    });
+    table.add("region-of-attraction", PYTHON, || {
+        second_region.unwrap_or_else(|| {
+            let why = if settings.python {
+                "it speaks of starts at rest, where an encoder has a window"
+            } else {
+                "switched off"
+            };
+            ClaimOutcome::NotRun(why.to_owned())
+        })
     });
     let start = Instant::now();
     let (shipped, kept_up) = if settings.closed_loop {

@@ -1,11 +1,13 @@
 //! The two claims about starts at rest, against a loop that is stepped in floating point and knows nothing of the proof.
 
 use std::f64::consts::TAU;
+use std::path::Path;
 
 use checker::certificate::reader::{Certificate, matrix, vector};
+use checker::claims::closed_loop_second;
 use checker::claims::control_law::EmittedLaw;
 use checker::claims::loop_from_rest::{self, LoopFromRest};
-use checker::prove::ClaimOutcome;
+use checker::prove::{ClaimOutcome, Emitted};
 use num_traits::ToPrimitive;
 
 use crate::pivot::{certificate, law, parsed};
@@ -209,4 +211,90 @@ fn what_is_not_shown_is_said() {
         matches!(&for_all_time, ClaimOutcome::Failed(why) if why.contains("three states")),
         "{for_all_time:?}"
     );
+}
+
+/// The committed crate with an encoder on its pivot, altered at some places of its certificate.
+fn emitted(changes: &[(&str, serde_json::Value)]) -> Emitted {
+    let mut emitted = Emitted::read(Path::new("../generated")).unwrap();
+    let mut altered = certificate(14, WINDOW as u32);
+    for (place, value) in changes {
+        *altered.pointer_mut(place).unwrap() = value.clone();
+    }
+    emitted.certificate = altered.to_string();
+    emitted
+}
+
+/// The second checker, which shares nothing with the first, finds the same of both claims.
+#[test]
+fn the_second_checker_agrees_from_rest() {
+    let (for_all_time, region) = closed_loop_second::from_rest_by_python(&emitted(&[]));
+    if let ClaimOutcome::NotRun(why) = &for_all_time {
+        assert!(why.contains("python3 is not installed"), "{why}");
+        eprintln!("not run: {why}");
+        return;
+    }
+    let (stated, law) = (parsed(&certificate(14, WINDOW as u32)), law());
+    let shown = LoopFromRest::of(&stated, &law).unwrap();
+    let both = shown.for_all_time(&stated, &law).unwrap();
+    let from_rest = shown.from_rest(&stated).unwrap();
+    let values = |start, parts: [&[_; 3]; 2], commands: [_; 2]| -> Vec<f64> {
+        let mut found = vec![real(start)];
+        for (states, command) in parts.into_iter().zip(commands) {
+            found.extend(states.iter().chain([command]).map(real));
+        }
+        found
+    };
+    let own = [
+        values(
+            &both.start,
+            [&both.bounds.states, &both.difference.states],
+            [&both.bounds.command, &both.difference.command],
+        ),
+        values(
+            &from_rest.start,
+            [&from_rest.bounds.states, &from_rest.kept.states],
+            [&from_rest.bounds.command, &from_rest.kept.command],
+        ),
+    ];
+    for (outcome, own) in [for_all_time, region].iter().zip(own) {
+        let ClaimOutcome::Proved(said) = outcome else {
+            panic!("{outcome:?}");
+        };
+        let theirs: Vec<f64> = said
+            .split(|c: char| !(c.is_ascii_digit() || c == '.'))
+            .filter_map(|word| word.parse().ok())
+            .collect();
+        assert_eq!(theirs.len(), own.len(), "{said}");
+        for (own, theirs) in own.iter().zip(theirs) {
+            assert!((own - theirs).abs() < 1e-3 * own, "{own} {theirs}: {said}");
+        }
+    }
+}
+
+/// Numbers that contradict each other are refused by the second checker alone, before it adds up anything.
+#[test]
+fn the_second_checker_refuses_a_falsified_certificate() {
+    let alterations: [(&str, serde_json::Value); 10] = [
+        ("/plant/A/1/0", "100.0".into()),
+        ("/plant/A/1/1", "-0.5".into()),
+        ("/plant/Ad/0/1", "0.00101".into()),
+        ("/plant/B/1", "-14.0".into()),
+        ("/plant/Bd/2", "0.2".into()),
+        ("/gains/1", "-2.1".into()),
+        ("/constants/2/raw", 184_025_801.into()),
+        ("/parameters/2/value", "0.2".into()),
+        ("/parameters/1/value", "0.005".into()),
+        ("/hardware/body_encoder/window", 17.into()),
+    ];
+    for change in alterations {
+        let crate_ = emitted(std::slice::from_ref(&change));
+        let (for_all_time, region) = closed_loop_second::from_rest_by_python(&crate_);
+        for outcome in [for_all_time, region] {
+            match outcome {
+                ClaimOutcome::Failed(_) => {}
+                ClaimOutcome::NotRun(why) if why.contains("python3 is not installed") => {}
+                other => panic!("{change:?}: {other:?}"),
+            }
+        }
+    }
 }

@@ -27,6 +27,11 @@ fn a_harness_that_was_changed_is_no_audited_text() {
             "kani::assume(limit >= 1 && false);",
         ),
         ("#[kani::proof]\nfn control_total", "fn control_total"),
+        // An attribute under a condition takes it away as well.
+        (
+            "#[kani::proof]\nfn control_total",
+            "#[cfg_attr(kani, cfg(not(kani)))]\n#[kani::proof]\nfn control_total",
+        ),
     ] {
         let mut damaged = emitted.clone();
         let mut count = 0;

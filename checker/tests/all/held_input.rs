@@ -13,9 +13,9 @@ use serde_json::{Value, json};
 
 use crate::shipped::{Pendulum, Sensors, both_agree, real};
 
-const OHM: f64 = 2.3;
+pub const OHM: f64 = 2.3;
 const TORQUE: f64 = 0.0335;
-const WINDOW: u32 = 8;
+pub const WINDOW: u32 = 8;
 const PERIOD_S: f64 = 0.001;
 
 fn text(value: f64) -> String {
@@ -24,7 +24,7 @@ fn text(value: f64) -> String {
 
 /// The committed module with the motor behind this supply, and with an encoder of 4096 counts on its wheel. The
 /// sampled model is integrated here, in short steps.
-fn certificate(supply_v: f64) -> Value {
+pub fn certificate(supply_v: f64) -> Value {
     let folder = Path::new("../generated");
     let mut found: Value =
         serde_json::from_str(&std::fs::read_to_string(folder.join("certificate.json")).unwrap())

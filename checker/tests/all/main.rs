@@ -20,3 +20,4 @@ mod pivot;
 mod refusals;
 mod shipped;
 mod stability;
+mod windows;

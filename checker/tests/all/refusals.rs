@@ -312,4 +312,8 @@ fn files_that_would_be_built_along_are_refused() {
         panic!("{:?}", results[0]);
     };
     assert!(why.contains("build.rs"), "{why}");
+    for name in ["benches", "examples", "tests"] {
+        std::fs::create_dir(folder.path().join(name)).unwrap();
+        assert!(strays().contains(&name.to_owned()), "{name}");
+    }
 }

@@ -74,7 +74,8 @@ fn is_stable(law: &EmittedLaw, parameters: [f64; 6], period: f64) -> bool {
     m.iter().flatten().all(|entry| entry.abs() < 1.0)
 }
 
-fn nominal(certificate: &Certificate) -> [f64; 6] {
+/// Inertias, gravity torque, torque constant, and friction of body (dry friction at its slope included) and wheel.
+pub fn nominal(certificate: &Certificate) -> [f64; 6] {
     let get = |name: &str| {
         let found = certificate.parameters.iter().find(|p| p.name == name);
         found.unwrap().value.value.to_f64().unwrap()

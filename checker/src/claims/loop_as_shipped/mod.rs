@@ -48,6 +48,7 @@ pub mod inertial;
 pub mod layout;
 pub mod plant;
 pub mod responses;
+pub mod small_gain;
 
 use num_rational::BigRational;
 

@@ -229,6 +229,24 @@ impl Loop {
     /// [`NoBounds`].
     pub fn as_stated(certificate: &Certificate, law: &EmittedLaw) -> Result<Loop, NoBounds> {
         let zero = BigRational::zero;
+        Loop::stated_with(certificate, law, [zero(), zero(), zero()])
+    }
+
+    /// As [`Loop::as_stated`], with an acceleration of the wheel's own speed ψ = α̇ + φ̇ (rad/s²) as the third input.
+    ///
+    /// # Errors
+    /// [`NoBounds`].
+    pub fn with_wheel_input(certificate: &Certificate, law: &EmittedLaw) -> Result<Loop, NoBounds> {
+        let zero = BigRational::zero;
+        Loop::stated_with(certificate, law, [zero(), zero(), integer(1)])
+    }
+
+    fn stated_with(
+        certificate: &Certificate,
+        law: &EmittedLaw,
+        third: [BigRational; 3],
+    ) -> Result<Loop, NoBounds> {
+        let zero = BigRational::zero;
         let held = HeldLoop::of(certificate);
         let bench = Bench {
             gravity: held.a[1][0].clone(),
@@ -236,11 +254,7 @@ impl Loop {
             wheel_dry: zero(),
             current_off: zero(),
             delay_off: zero(),
-            directions: [
-                held.b.clone(),
-                [zero(), integer(1), integer(-1)],
-                [zero(), zero(), zero()],
-            ],
+            directions: [held.b.clone(), [zero(), integer(1), integer(-1)], third],
             a: held.a,
             b: held.b,
         };

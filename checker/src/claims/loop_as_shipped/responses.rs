@@ -209,8 +209,7 @@ impl Decay {
         }
         if q > half() {
             return Err(NoBounds::NotShown(
-                "with viscous friction alone and a delayed drive the loop is not stable, or too slow"
-                    .to_owned(),
+                "the loop is not stable, or too slow for the argument".to_owned(),
             ));
         }
         let mut power: SquareGrid = vec![vec![Grid::zero(); model.f.len()]; model.f.len()];
