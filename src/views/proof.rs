@@ -5,6 +5,22 @@ use workbench::{Proof, ProofVerdict};
 
 use crate::report::table::{Align, Table};
 
+/// "31 rows proved, 12 tested, 3 not run, 3 not applicable".
+fn counts(proof: &Proof) -> String {
+    let words = ["proved", "tested", "not run", "not applicable"];
+    let count = |word: &str| {
+        let rows = proof.claims.iter();
+        rows.filter(|claim| claim.outcome.word() == word).count()
+    };
+    let counts: Vec<String> = words
+        .into_iter()
+        .map(|word| (count(word), word))
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, word)| format!("{count} {word}"))
+        .collect();
+    format!("of {} rows {}", proof.claims.len(), counts.join(", "))
+}
+
 /// The claims, a row for each engine, and the verdict in a sentence.
 pub fn text(proof: &Proof, verdict: &ProofVerdict) -> String {
     let mut table = Table::new(&[
@@ -35,7 +51,10 @@ pub fn text(proof: &Proof, verdict: &ProofVerdict) -> String {
     }
     let said = match verdict {
         ProofVerdict::Holds => {
-            "No claim fails, and every claim that applies to this module is settled.".to_owned()
+            format!(
+                "No claim fails, and every claim that applies to this module is proved or tested: {}.",
+                counts(proof)
+            )
         }
         ProofVerdict::Unsettled(claims) => format!(
             "No claim fails, but no engine settled {}: the rows `not run` give the reasons (exit code 3; 0 with --allow-not-run).",

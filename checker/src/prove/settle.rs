@@ -338,7 +338,10 @@ fn loop_claims(
 ) {
     table.add("closed-loop-stable", EXACT, || {
         let checked = closed_loop_stable::check_stable(certificate, law);
-        ClaimOutcome::proved(checked.map(|()| "Hurwitz' criterion".to_owned()))
+        ClaimOutcome::proved(
+            checked
+                .map(|()| "Hurwitz' criterion after a bilinear map of the unit circle".to_owned()),
+        )
     });
     table.add("bias-observer-stable", EXACT, || {
         bias_observer_stable::by_exact_arithmetic(certificate, module, law)
