@@ -72,7 +72,7 @@ fn check(certificate: &Certificate, model: &str) -> Result<String, String> {
         }
     }
     Ok(format!(
-        "{} parameters, {wishes} wishes of the design",
+        "{} parameters, {wishes} design settings",
         certificate.parameters.len()
     ))
 }

@@ -100,7 +100,7 @@ pub fn by_intervals(primitives: &[Primitive]) -> ClaimOutcome {
         ClaimOutcome::Failed("no function of the source states a contract".to_owned())
     } else if failed.is_empty() {
         ClaimOutcome::Proved(format!(
-            "{} contracts over {boxes} boxes, {in_place} more in place",
+            "contracts: {} over {boxes} box(es) of arguments, {in_place} more where the primitive is called",
             primitives.len() - in_place
         ))
     } else {
