@@ -267,7 +267,7 @@ fn mean_phase(belief: &Belief, phases: &[(f64, f64)]) -> (f64, f64) {
 mod tests {
     use super::*;
     use plant::Kind;
-    use rand::{Rng, SeedableRng};
+    use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use rand_distr::StandardNormal;
 
