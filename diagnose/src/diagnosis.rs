@@ -272,11 +272,18 @@ impl<'a> Start<'a> {
     }
 
     /// The bench with driven logs cut into short windows; `None` if that is not needed. It is needed where the
-    /// candidate leaves a remainder and, in short windows, cogging explains most of the misfit.
+    /// candidate leaves a remainder and, in short windows, cogging explains most of the misfit. Dense logs tell without a
+    /// model whether the motor has teeth.
     fn in_windows(&self, candidate: &Candidate, problem: &FitProblem) -> Option<FitProblem> {
+        if problem.needs_no_windows() {
+            return None;
+        }
+        let remains = candidate.largest_remainder() > self.thresholds.remains;
+        if problem.shows_teeth() {
+            return remains.then(|| problem.in_windows())?;
+        }
         let cut = self.thin.in_windows()?;
         let effort = Effort::FULL.until(self.is_cancelled);
-        let remains = candidate.largest_remainder() > self.thresholds.remains;
         let asks = remains
             && shows_in_short_windows(&cut, candidate, &self.suspects, self.thresholds, effort);
         asks.then(|| problem.in_windows())?

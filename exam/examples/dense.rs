@@ -1,7 +1,9 @@
 //! A bench of dense logs, as real loggers write them, to time a diagnosis: ten logs of equally many samples from the
 //! exam's simulator, with or without the cogging of a motor.
 //!
-//!     cargo run --release -p exam --example dense -- DIR [cogging|plain] [SAMPLES] [SAMPLE_TIME_S] [SEED]
+//!     cargo run --release -p exam --example dense -- DIR [cogging|plain] [SAMPLES] [SAMPLE_TIME_S] [SEED] [A,N,PHASE]
+//!
+//! A, N and PHASE are the torque in N m, the order and the phase in rad of the teeth.
 //!
 //! The folder gets a bench.toml, a CSV for every log and a truth.json, so that `flywheel exam --folder` marks it.
 
@@ -67,13 +69,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let samples: usize = arguments.next().map_or(Ok(100_000), |text| text.parse())?;
     let sample_s: f64 = arguments.next().map_or(Ok(0.001), |text| text.parse())?;
     let seed: u64 = arguments.next().map_or(Ok(1), |text| text.parse())?;
+    let cogging: Vec<f64> = match arguments.next() {
+        Some(text) => text.split(',').map(str::parse).collect::<Result<_, _>>()?,
+        None => COGGING.to_vec(),
+    };
     let has_cogging = hidden == "cogging";
     let truth = Truth {
         base: BASE,
         body_viscous: 2.12e-5,
         wheel_viscous: 1.75204e-5,
         hidden: has_cogging
-            .then(|| Hidden::Library(EffectId::WheelCogging, COGGING.to_vec()))
+            .then(|| Hidden::Library(EffectId::WheelCogging, cogging.clone()))
             .into_iter()
             .collect(),
     };
@@ -116,7 +122,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let names = ["cogging_torque", "cogging_order", "cogging_phase"];
     let parameters: serde_json::Map<String, serde_json::Value> = names
         .iter()
-        .zip(COGGING)
+        .zip(cogging)
         .filter(|_| has_cogging)
         .map(|(name, value)| ((*name).to_owned(), value.into()))
         .collect();

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `progress` | progress messages of long work, and its cancellation |
 //! | `records` | logs as the fit uses them: channels with their noise, the current, windows; the weak form |
-//! | `model_free` | results without a model: how a swing decays, the rate compared with the angle |
+//! | `model_free` | results without a model: how a swing decays, the rate compared with the angle, the teeth of a motor |
 //! | `fit` | from a first guess to the minimum: windows with exact derivatives, least squares, score test |
 //! | `residuals` | the residual of a model: noise or structure, the missing torque, pushes, where the model fails |
 //! | `bench` | a whole bench: which parameters are known, which are free, in which units |

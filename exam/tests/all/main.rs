@@ -7,4 +7,6 @@ mod examined;
 mod external;
 mod imperfection;
 mod learned;
+mod scales;
 mod sensors;
+mod teeth;

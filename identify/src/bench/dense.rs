@@ -3,29 +3,25 @@
 use plant::{Kind, Model, period_s};
 
 use super::problem::FitProblem;
+use super::toothed::{BLOCKS_PER_PERIOD, LONGEST_FREE_BLOCK_S, Toothed};
 use crate::fit::ratios;
-use crate::records::{BALANCE_WINDOW_S, Record};
+use crate::model_free::find_teeth;
+use crate::records::Record;
 
 /// A log with fewer samples is fitted as recorded.
 const MANY_SAMPLES: usize = 30_000;
 /// Smallest number of block averages that a log is reduced to.
 const ENOUGH_SAMPLES: usize = 10_000;
-/// Smallest number of blocks per period of the pendulum. The mean over a block then flattens the motion by 5e-4 of
-/// its amplitude, and [`Record::averaged`] corrects this to 1e-5.
-const BLOCKS_PER_PERIOD: f64 = 60.0;
 /// Longest block, in s, in a log in which only the wheel turns. The cogging of a motor that makes one turn per second
 /// is still resolved; at higher speeds the ripple of the wheel speed is below the sensor's noise.
 const LONGEST_WHEEL_BLOCK_S: f64 = 0.01;
-/// Longest block, in s, in a log in which the wheel also moves the body. Near the upright position the motion is as
-/// fast as the controller, whose time scale sets the window; on a body that moves freely, cogging shows at higher
-/// wheel speeds.
-const LONGEST_FREE_BLOCK_S: f64 = BALANCE_WINDOW_S / BLOCKS_PER_PERIOD;
 /// Smallest number of blocks between two steps of the current: the mean of a block that contains a step is not the
 /// value at its middle.
 const BLOCKS_PER_STEP: usize = 50;
 
 impl FitProblem {
-    /// Replaces logs that are far denser than their motion by block averages.
+    /// Replaces logs that are far denser than their motion by block averages, after a search for teeth of the motor, which
+    /// averages hide.
     pub(super) fn average_dense_logs(&mut self) {
         if self
             .records
@@ -34,13 +30,21 @@ impl FitProblem {
         {
             return;
         }
+        self.toothed = match find_teeth(&self.records) {
+            Some(teeth) => Toothed::shown(&teeth, &self.records),
+            None => Toothed::Absent,
+        };
         let shown = ratios(&self.all_records());
         let period_s = shown
             .gravity_over_total
             .or(shown.gravity_over_free)
             .map(|_| period_s(&self.values_from(&shown, &Model::base())));
-        for record in &mut self.records {
-            let block = block_of(record, period_s);
+        for (log, record) in self.records.iter_mut().enumerate() {
+            // Both ways of reading a log have the same samples, so that a fit of one can be looked at in the other.
+            let block = match self.toothed.block(log) {
+                Some(block) => block,
+                None => block_of(record, period_s),
+            };
             if block > 1 {
                 *record = record.averaged(block);
             }

@@ -5,6 +5,7 @@ mod dense;
 mod error;
 mod parameters;
 mod problem;
+mod toothed;
 
 pub use error::IdentifyError;
 pub use problem::FitProblem;

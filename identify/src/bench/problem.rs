@@ -7,6 +7,7 @@ use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_I
 use rayon::prelude::*;
 
 use super::error::IdentifyError;
+use super::toothed::Toothed;
 use crate::fit::{base_values, ratios};
 use crate::records::{BALANCE_WINDOW_S, Output, Record, RecordedCurrent};
 use crate::residuals::{PushModel, find_disturbances, leave_out};
@@ -26,6 +27,8 @@ pub struct FitProblem {
     pub coupled: bool,
     /// Masses and lengths, from which the inertia of the body alone follows.
     pub masses: Known,
+    /// The teeth of the motor, if dense logs were searched for them.
+    pub(super) toothed: Toothed,
 }
 
 impl FitProblem {
@@ -59,6 +62,18 @@ impl FitProblem {
         masses: Known,
     ) -> Result<FitProblem, IdentifyError> {
         FitProblem::prepared(records, known, masses, false)
+    }
+
+    /// As [`FitProblem::from_records`], with logs that are far denser than their motion treated as [`FitProblem::new`] does.
+    ///
+    /// # Errors
+    /// [`IdentifyError::NoExperiments`] if there is no record.
+    pub fn from_dense_records(
+        records: Vec<Record>,
+        known: [Option<f64>; 4],
+        masses: Known,
+    ) -> Result<FitProblem, IdentifyError> {
+        FitProblem::prepared(records, known, masses, true)
     }
 
     fn prepared(
@@ -99,6 +114,7 @@ impl FitProblem {
             wheel_scale_known: wheel,
             coupled,
             masses,
+            toothed: Toothed::NotSought,
         };
         if average {
             problem.average_dense_logs();
@@ -152,7 +168,15 @@ impl FitProblem {
     /// With cogging, a long run of the wheel depends on every standstill: at the crest of a tooth, the wheel turns back
     /// or passes depending on differences that no sensor shows. A free-running simulation of the whole log then says
     /// nothing about the model. The same holds for a balance log.
+    ///
+    /// Where dense logs showed teeth ([`FitProblem::shows_teeth`]), all logs with a wheel are read in windows in which the
+    /// teeth can be counted, at angles that the teeth themselves tell.
     pub fn in_windows(&self) -> Option<FitProblem> {
+        match &self.toothed {
+            Toothed::Shown(records) => return Some(self.read_by_teeth(records)),
+            Toothed::Read => return None,
+            Toothed::NotSought | Toothed::Absent => {}
+        }
         let mut cut = self.clone();
         let mut changed = false;
         for record in &mut cut.records {
@@ -165,6 +189,35 @@ impl FitProblem {
             }
         }
         changed.then_some(cut)
+    }
+
+    /// Whether dense logs showed, without a model, that their motor has teeth.
+    pub fn shows_teeth(&self) -> bool {
+        matches!(self.toothed, Toothed::Shown(_))
+    }
+
+    /// Whether dense logs were searched for teeth and showed none, or are read by them already.
+    pub fn needs_no_windows(&self) -> bool {
+        matches!(self.toothed, Toothed::Absent | Toothed::Read)
+    }
+
+    /// The same bench with these records in place of its own. What is left out of its own (pushes) is left out of them.
+    fn read_by_teeth(&self, records: &[Option<Record>]) -> FitProblem {
+        let mut cut = self.clone();
+        for (own, by_teeth) in cut.records.iter_mut().zip(records) {
+            let Some(by_teeth) = by_teeth else {
+                continue;
+            };
+            let mut record = by_teeth.clone();
+            for (weight, time_s) in record.weight.iter_mut().zip(&record.time_s) {
+                let next = own.time_s.partition_point(|time| time < time_s);
+                let near = next.min(own.len().saturating_sub(1));
+                *weight = weight.min(own.weight[near]);
+            }
+            *own = record;
+        }
+        cut.toothed = Toothed::Read;
+        cut
     }
 
     /// The bench with the windows that suit a model: [`FitProblem::in_windows`] for a model with cogging.
@@ -193,6 +246,10 @@ impl FitProblem {
                 else {
                     return 1;
                 };
+                if record.teeth.is_some() {
+                    // Its samples are as far apart as its teeth allow, and few of them count.
+                    return 1;
+                }
                 let interval_s = (last - first) / record.len().max(2) as f64;
                 let wanted_s = match record.kind {
                     Kind::FreeSwing => period_s / per_period,

@@ -5,7 +5,7 @@ use plant::{EffectId, Model};
 use rayon::prelude::*;
 
 use super::comparison::traces;
-use super::sensitivity::window_cost;
+use super::sensitivity::{counts, window_cost};
 use super::solver::Minimum;
 use super::unknowns::{Nuisance, Window};
 use super::windows::guess;
@@ -39,7 +39,7 @@ impl CoggingStart {
 }
 
 /// The start for a fit of cogging: the order with the largest trace in the wheel speed; `None` if no log has
-/// the wheel speed.
+/// the wheel speed. Logs that are read by the teeth of their motor have their start already.
 ///
 /// A torque a sin(nφ + ψ) against the wheel causes the speed error −(a/j_w) ∫ sin(nφ + ψ) dt, with φ the integral of
 /// the measured wheel speed. For every whole order n up to 60, the residual is projected on ∫cos(nφ) dt and
@@ -52,6 +52,16 @@ pub fn cogging_start(
 ) -> Option<CoggingStart> {
     const HIGHEST_ORDER: usize = 60;
     let wheel_inertia = minimum.values[plant::WHEEL_INERTIA];
+    if let Some(teeth) = records.iter().find_map(|record| record.teeth) {
+        return Some(CoggingStart {
+            parameters: vec![
+                teeth.per_inertia * wheel_inertia,
+                teeth.order,
+                teeth.phase_rad,
+            ],
+            gain: teeth.gain,
+        });
+    }
     let mut windows: Vec<(WheelSpeedError, Turns)> = wheel_speed_errors(records, model, minimum)
         .into_iter()
         .map(|window| {
@@ -341,6 +351,9 @@ pub fn settled(
         return windows;
     }
     let settle = |record: &Record, window: Window| -> Window {
+        if !counts(record, &window) {
+            return window;
+        }
         let nuisances = Nuisance::of(record);
         let wheel_angle = nuisances
             .iter()

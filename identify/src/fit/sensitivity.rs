@@ -147,14 +147,17 @@ pub fn normal_observed(
     each: &mut dyn FnMut(Observation),
 ) -> WindowNormal {
     let lanes = Lanes::of(record, window, model, globals);
+    let nothing = |lanes: &Lanes, cost: f64| WindowNormal {
+        hessian: DMatrix::zeros(lanes.count(), lanes.count()),
+        gradient: DVector::zeros(lanes.count()),
+        cost,
+        nuisances: lanes.nuisances.clone(),
+    };
     if is_impossible(record, values) {
-        let count = lanes.count();
-        return WindowNormal {
-            hessian: DMatrix::zeros(count, count),
-            gradient: DVector::zeros(count),
-            cost: f64::INFINITY,
-            nuisances: lanes.nuisances,
-        };
+        return nothing(&lanes, f64::INFINITY);
+    }
+    if !counts(record, window) {
+        return with_priors(record, window, &lanes, nothing(&lanes, 0.0));
     }
     // The integrator is compiled for each of these numbers of lanes. Unused lanes cost simulation time. The numbers are
     // therefore few, and closest together where most fits lie.
@@ -342,6 +345,12 @@ fn priors(record: &Record, window: &Window) -> Vec<(usize, f64, f64)> {
         .collect()
 }
 
+/// Whether any sample of a window has weight. A window of which nothing counts need not be simulated.
+pub(super) fn counts(record: &Record, window: &Window) -> bool {
+    let weights = &record.weight[window.samples.clone()];
+    weights.iter().any(|&weight| weight > 0.0)
+}
+
 /// Whether the wheel's inertia would exceed that of body and wheel together.
 fn is_impossible(record: &Record, values: &[f64]) -> bool {
     matches!(record.kind, Kind::Balance | Kind::Driven)
@@ -354,16 +363,18 @@ pub fn window_cost(record: &Record, window: &Window, model: &Model, values: &[f6
         return f64::INFINITY;
     }
     let mut cost = 0.0;
-    simulate(record, window, model, values, |k, reading, _| {
-        let weight = record.weight[k];
-        for channel in &record.channels {
-            let measured = channel.samples[k];
-            if weight > 0.0 && !measured.is_nan() {
-                let scale = weight / channel.noise_std;
-                cost += ((measured - channel.output.of(reading)) * scale).powi(2);
+    if counts(record, window) {
+        simulate(record, window, model, values, |k, reading, _| {
+            let weight = record.weight[k];
+            for channel in &record.channels {
+                let measured = channel.samples[k];
+                if weight > 0.0 && !measured.is_nan() {
+                    let scale = weight / channel.noise_std;
+                    cost += ((measured - channel.output.of(reading)) * scale).powi(2);
+                }
             }
-        }
-    });
+        });
+    }
     for (_, value, std) in priors(record, window) {
         cost += (value / std).powi(2);
     }

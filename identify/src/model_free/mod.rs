@@ -2,6 +2,8 @@
 
 mod decay;
 mod kinematics;
+mod teeth;
 
 pub use decay::{AtAmplitude, DecayLaw, Estimate, FreeDecay, decay};
 pub use kinematics::{RateAgainstAngle, rate_against_angle};
+pub(crate) use teeth::{Teeth, find_teeth};

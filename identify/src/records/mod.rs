@@ -2,14 +2,17 @@
 
 mod angle;
 mod averages;
+mod charge;
 mod noise;
 mod record;
 mod statistics;
 mod weak_form;
 
 pub use angle::angle_samples;
+pub(crate) use averages::{blocks, means};
 pub(crate) use noise::{NOISE_RELATIVE_STD_ROOT_N, NoiseEstimate, noise_by_differences};
 pub use noise::{input_noise_std, noise_std, resolution};
+pub(crate) use record::ToothStart;
 pub use record::{BALANCE_WINDOW_S, Output, Record, RecordedChannel, RecordedCurrent};
 pub(crate) use statistics::{StraightLine, median};
 pub use weak_form::bumps;

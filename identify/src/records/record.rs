@@ -102,6 +102,19 @@ struct Travel {
     disagreement_rad: Vec<f64>,
 }
 
+/// The teeth of a motor, as logs show them without a model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ToothStart {
+    /// Number of teeth in one turn.
+    pub(crate) order: f64,
+    /// Torque over the wheel's inertia, rad/s².
+    pub(crate) per_inertia: f64,
+    /// Phase where the corrected wheel angle is zero, rad.
+    pub(crate) phase_rad: f64,
+    /// Gain in χ² that they promise.
+    pub(crate) gain: f64,
+}
+
 /// One experiment, ready for simulation and fit.
 #[derive(Clone, Debug)]
 pub struct Record {
@@ -133,6 +146,8 @@ pub struct Record {
     turned_rad: Option<Vec<f64>>,
     /// The noise of the measured wheel angle, rad; `None` if it was not measured.
     turned_noise_rad: Option<f64>,
+    /// The teeth by which the wheel's angle was corrected; `None` if it was not.
+    pub(crate) teeth: Option<ToothStart>,
     past: Past,
 }
 
@@ -203,6 +218,7 @@ impl Record {
             averaged_over: 1,
             turned_rad: None,
             turned_noise_rad: None,
+            teeth: None,
             past: Past::default(),
         }
     }
@@ -277,6 +293,13 @@ impl Record {
         let noise_rad = without_floor(&angles, &self.kinks()).map_or(0.0, |noise| noise.std);
         self.turned_noise_rad = Some(noise_rad.max(resolution(&angles) / 12f64.sqrt()));
         self.turned_rad = Some(angles);
+    }
+
+    /// States the wheel's angle in rad at every sample, corrected by the teeth of its motor, with its standard deviation.
+    pub(crate) fn set_corrected_wheel_angles(&mut self, angle_rad: Vec<f64>, std_rad: f64) {
+        self.turned_rad = Some(angle_rad);
+        self.turned_noise_rad = Some(std_rad);
+        self.past = Past::default();
     }
 
     /// Standard deviation of the noise of the measured wheel angle, rad; `None` where it is the integral of the speed.
@@ -366,6 +389,7 @@ impl Record {
         part.window_s = self.window_s;
         part.turned_rad = self.turned_rad.as_deref().map(pick);
         part.turned_noise_rad = self.turned_noise_rad;
+        part.teeth = self.teeth;
         part.averaged_over = self.averaged_over;
         part
     }
