@@ -6,8 +6,8 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use simulate::RawSample;
 
-/// Compiles `firmware/on-host` with the crate in `module`; `name` keeps two of them apart.
-pub fn compiled(module: &Path, name: &str) -> PathBuf {
+/// Compiles `firmware/on-host` with the crate in `module` and the features of its sensors; `name` keeps two of them apart.
+pub fn compiled(module: &Path, name: &str, features: &str) -> PathBuf {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("firmware/Cargo.toml");
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("firmware");
     let built = target.join("debug/on-host");
@@ -30,6 +30,7 @@ pub fn compiled(module: &Path, name: &str) -> PathBuf {
         .arg(&target)
         .arg("--config")
         .arg(format!("paths=[{module:?}]"))
+        .args(["--features", features])
         .output()
         .expect("cargo starts");
     let message = String::from_utf8_lossy(&output.stderr);
@@ -70,13 +71,13 @@ impl Firmware {
         let mut message = now_us.to_le_bytes().to_vec();
         message.push(u8::from(sample.is_some()));
         let none = [i16::MIN; 3];
-        let (gyro, accel, wheel) = sample.map_or(([0; 3], [0; 3], 0), |sample| {
-            (sample.gyro, sample.accel, sample.wheel as u16)
-        });
+        let (gyro, accel) = sample.map_or(([0; 3], [0; 3]), |sample| (sample.gyro, sample.accel));
+        let (wheel, body) = sample.map_or((0, 0), |sample| (sample.wheel as u16, sample.body));
         for word in [gyro, accel, none].as_flattened() {
             message.extend(word.to_le_bytes());
         }
         message.extend(wheel.to_le_bytes());
+        message.extend(body.to_le_bytes());
         message.push(came.len() as u8);
         message.extend(came);
         self.input.write_all(&message)?;

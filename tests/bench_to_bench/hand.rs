@@ -65,6 +65,8 @@ pub enum Scene {
     Upright { from_rad: f64 },
     /// The body is clamped, and the bus of the sensors fails after this time under current.
     BusFailsAfter { seconds: f64 },
+    /// The body is clamped, and the plug of the serial line is pulled after this time under current, until the next scene.
+    UnpluggedAfter { seconds: f64 },
 }
 
 /// The pendulum in a scene.
@@ -97,7 +99,9 @@ impl Pendulum {
     pub fn new(truth: &Truth, scene: Scene) -> Pendulum {
         let kind = match scene {
             Scene::Swing { .. } => Kind::FreeSwing,
-            Scene::Clamped | Scene::BusFailsAfter { .. } => Kind::SpinUp,
+            Scene::Clamped | Scene::BusFailsAfter { .. } | Scene::UnpluggedAfter { .. } => {
+                Kind::SpinUp
+            }
             Scene::Upright { .. } => Kind::Balance,
         };
         let angle_rad = begin_rad(scene);
@@ -124,6 +128,14 @@ impl Pendulum {
     pub fn bus_works(&self) -> bool {
         match self.scene {
             Scene::BusFailsAfter { seconds } => !(seconds..seconds + 0.1).contains(&self.driven_s),
+            _ => true,
+        }
+    }
+
+    /// Whether the serial line is connected.
+    pub fn is_plugged(&self) -> bool {
+        match self.scene {
+            Scene::UnpluggedAfter { seconds } => self.driven_s < seconds,
             _ => true,
         }
     }
@@ -157,7 +169,9 @@ impl Pendulum {
                 t if t < 2.5 => Some((from_rad, 0.0)),
                 _ => None,
             },
-            Scene::Clamped | Scene::BusFailsAfter { .. } => Some((PI, 0.0)),
+            Scene::Clamped | Scene::BusFailsAfter { .. } | Scene::UnpluggedAfter { .. } => {
+                Some((PI, 0.0))
+            }
             Scene::Upright { from_rad } => (self.driven_s == 0.0).then_some((PI + from_rad, 0.0)),
         }
     }
@@ -211,7 +225,7 @@ impl Pendulum {
 fn begin_rad(scene: Scene) -> f64 {
     match scene {
         Scene::Swing { .. } => 0.0,
-        Scene::Clamped | Scene::BusFailsAfter { .. } => PI,
+        Scene::Clamped | Scene::BusFailsAfter { .. } | Scene::UnpluggedAfter { .. } => PI,
         Scene::Upright { from_rad } => PI + from_rad,
     }
 }

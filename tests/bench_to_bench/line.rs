@@ -9,7 +9,7 @@ use std::time::Duration;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serialport::{SerialPort, TTYPort};
-use simulate::RawSensors;
+use simulate::{EncoderOutput, RawSensors};
 
 use super::firmware::Firmware;
 use super::hand::{Pendulum, Scene, Truth};
@@ -20,11 +20,22 @@ const SAMPLE_TIME_US: u32 = 1_000;
 /// must not lose its lease.
 const AHEAD: u32 = 400;
 
+/// Ticks that the firmware goes on after the plug was pulled: two seconds, twice the lease of a command.
+const UNPLUGGED: u32 = 2_000;
+/// The duty without a current.
+const ZERO_CURRENT: u16 = 32_768;
+/// The encoder's count upright.
+pub const UPRIGHT_COUNT: u16 = 773;
+
 /// What the line does to frames, shares of them.
 #[derive(Clone, Copy, Debug)]
 pub struct Faults {
+    /// A byte is another one.
     pub damaged: f64,
+    /// The frame does not arrive.
     pub lost: f64,
+    /// Its second half does not arrive, so that the frame after it is lost too.
+    pub cut: f64,
     pub seed: u64,
 }
 
@@ -32,6 +43,7 @@ impl Faults {
     pub const NONE: Faults = Faults {
         damaged: 0.0,
         lost: 0.0,
+        cut: 0.0,
         seed: 1,
     };
 }
@@ -61,7 +73,8 @@ impl SimulatedBench {
             faults,
             now_us: 0,
             since_command: AHEAD,
-            duty: 32_768,
+            duty: ZERO_CURRENT,
+            since_unplugged: 0,
         };
         let thread = thread::spawn(move || {
             loop {
@@ -118,6 +131,12 @@ fn sensors() -> RawSensors {
     sensors.lever_arm_m = [0.0, 0.0];
     sensors.gyro.bias_counts = Default::default();
     sensors.accel.bias_counts = Default::default();
+    // A module without an encoder does not read it.
+    sensors.body = Some(EncoderOutput {
+        counts_per_turn: 4096.0,
+        bits: 12,
+        zero_count: f64::from(UPRIGHT_COUNT),
+    });
     sensors
 }
 
@@ -131,6 +150,8 @@ struct Running {
     /// Ticks since the last byte from the program.
     since_command: u32,
     duty: u16,
+    /// Ticks since the plug was pulled.
+    since_unplugged: u32,
 }
 
 impl Running {
@@ -143,6 +164,11 @@ impl Running {
             came = &bytes[..count];
             self.since_command = 0;
         }
+        if !self.pendulum.is_plugged() {
+            self.unplugged(firmware);
+            return;
+        }
+        self.since_unplugged = 0;
         if self.since_command >= AHEAD {
             thread::sleep(Duration::from_millis(1));
             return;
@@ -160,8 +186,22 @@ impl Running {
                 other => other,
             };
         }
+        if self.random.random_bool(self.faults.cut) {
+            goes.truncate(goes.len() / 2);
+        }
         // A line that nobody reads loses what is sent.
         let _ = self.master.write_all(&goes);
+    }
+
+    /// A step without a line: whatever came and goes is lost. When the lease of the last command is over, no current flows.
+    fn unplugged(&mut self, firmware: &mut Firmware) {
+        if self.since_unplugged == UNPLUGGED {
+            assert_eq!(self.duty, ZERO_CURRENT, "a motor that nobody asks for");
+            thread::sleep(Duration::from_millis(1));
+            return;
+        }
+        self.since_unplugged += 1;
+        self.tick(firmware, &[]);
     }
 
     /// One sample time: the bytes that go to the line.

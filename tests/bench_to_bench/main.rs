@@ -5,6 +5,7 @@
 mod firmware;
 mod hand;
 mod line;
+mod pivot;
 
 use std::fs;
 use std::path::Path;
@@ -87,8 +88,13 @@ fn parameter(report: &serde_json::Value, name: &str) -> (f64, f64) {
 
 /// The folder of a bench that has no log yet.
 fn bench_folder() -> tempfile::TempDir {
+    folder_with(BENCH)
+}
+
+/// The same with this bench.toml.
+fn folder_with(bench: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("bench.toml"), BENCH).expect("written");
+    fs::write(folder.path().join("bench.toml"), bench).expect("written");
     folder
 }
 
@@ -107,11 +113,12 @@ fn what_is_recorded_becomes_the_controller_that_balances() {
     let place = bench.to_str().expect("a path");
     let truth = Truth::with_dry_friction();
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let first = firmware::compiled(&root.join("generated"), "first");
+    let first = firmware::compiled(&root.join("generated"), "first", "");
     // One frame in a hundred is damaged, one in two hundred lost.
     let faults = Faults {
         damaged: 0.01,
         lost: 0.005,
+        cut: 0.0,
         seed: 20_261_129,
     };
     let on = SimulatedBench::start(&first, &truth, faults);
@@ -240,7 +247,7 @@ fn what_is_recorded_becomes_the_controller_that_balances() {
     done(&["design", model]);
     let out = bench.join("controller");
     done(&["generate", model, "--out", out.to_str().expect("a path")]);
-    let second = firmware::compiled(&out, "second");
+    let second = firmware::compiled(&out, "second", "");
     let on = SimulatedBench::start(&second, &truth, Faults::NONE);
     on.scene(Scene::Upright { from_rad: 0.08 });
     let balance = recorded(
@@ -283,7 +290,7 @@ fn what_is_recorded_becomes_the_controller_that_balances() {
 fn a_controller_that_trips_ends_the_record_and_what_was_recorded_stays() {
     let folder = bench_folder();
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let module = firmware::compiled(&root.join("generated"), "tripping");
+    let module = firmware::compiled(&root.join("generated"), "tripping", "");
     let on = SimulatedBench::start(&module, &Truth::with_dry_friction(), Faults::NONE);
     // The clamped body does not move, so the law's current stays at its limit, or the wheel runs away.
     on.scene(Scene::BusFailsAfter { seconds: 2.0 });

@@ -12,6 +12,8 @@
 //!   trips by itself.
 //! - The loop calls [`Controller::fault`] after a tick that comes too late, and if a sensor or the timer fails.
 //! - An order is valid only for its lease: if the line falls silent, the controller is disarmed.
+//! - After a start, also one in the middle of balancing when the supply drops, an order that was under way does not arm:
+//!   only one whose number differs from the first that is heard, unless that first one is [`Task::Watch`].
 //! - A trip stays until an order with a new number comes. The controller is then restarted, finds its attitude again,
 //!   and is armed at most once for that order.
 #![no_std]

@@ -9,6 +9,8 @@ pub struct Orders {
     command: Command,
     /// Time at which the command came, µs.
     came_us: u32,
+    /// Whether a command has come since the start.
+    has_heard: bool,
     /// Whether the command has a new number that [`Orders::takes_new`] has not reported yet.
     is_new: bool,
     /// Whether the controller was armed for this command; it must not be armed again.
@@ -30,6 +32,7 @@ impl Orders {
                 lease_ms: 0,
             },
             came_us: 0,
+            has_heard: false,
             is_new: false,
             was_armed: false,
             current_word: 0,
@@ -38,10 +41,15 @@ impl Orders {
     }
 
     /// Replaces the order in force by this one.
+    ///
+    /// A program repeats its command, also to a board whose supply has just dropped and come back. The first command
+    /// after the start may therefore be one that was under way before: if it asks for the motor, the controller is not
+    /// armed for it, but for the next number. A program that begins says so with [`Task::Watch`].
     pub fn take(&mut self, command: Command, now_us: u32) {
-        if command.wish != self.command.wish {
+        let is_first = !core::mem::replace(&mut self.has_heard, true);
+        if is_first || command.wish != self.command.wish {
             self.is_new = true;
-            self.was_armed = false;
+            self.was_armed = is_first && command.task != Task::Watch;
         }
         if let Task::Drive { current_ua } = command.task {
             self.current_word = word_of(current_ua);

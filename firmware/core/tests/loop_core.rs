@@ -127,6 +127,7 @@ impl Bench {
     /// A bench whose controller has found its attitude and drives the motor.
     fn driven() -> Bench {
         let mut bench = Bench::default();
+        bench.new_order(Task::Watch);
         bench.run(600);
         assert_eq!(bench.core.status(), Status::Ready);
         bench.new_order(Task::Drive {
@@ -215,6 +216,61 @@ fn a_silent_line_disarms_and_the_old_order_does_not_arm_again() {
     });
     bench.run(2);
     assert_eq!(bench.core.status(), Status::Running);
+}
+
+/// The supply drops while the motor is driven: the board starts anew, and the program, which has noticed nothing, repeats
+/// its order. The body is held upright, so that the controller could be armed.
+#[test]
+fn a_start_in_the_middle_of_an_order_does_not_arm() {
+    for task in [
+        Task::Balance,
+        Task::Drive {
+            current_ua: 200_000,
+        },
+    ] {
+        let mut bench = Bench::driven();
+        bench.new_order(task);
+        bench.run(100);
+        assert_eq!(bench.core.status(), Status::Running);
+        bench.core = LoopCore::new();
+        bench.sent.clear();
+        for _ in 0..30 {
+            bench.order(task, 1000);
+            bench.run(100);
+        }
+        assert_eq!(bench.core.status(), Status::Ready);
+        assert!(bench.sent.iter().all(|frame| frame.duty == ZERO_CURRENT));
+        // Somebody asks anew.
+        bench.new_order(task);
+        bench.run(2);
+        assert_eq!(bench.core.status(), Status::Running);
+    }
+    // Whichever number the order has: also that of a start, at which nothing was heard yet.
+    let mut bench = Bench::default();
+    bench.run(600);
+    bench.order(Task::Balance, 60_000);
+    bench.run(10);
+    assert_eq!(bench.wish, 0);
+    assert_eq!(bench.core.status(), Status::Ready);
+}
+
+/// A sensor's plug comes off while the controller balances: no current from the very step on, and none when it is back,
+/// though the order is repeated all the time.
+#[test]
+fn a_sensor_that_is_unplugged_while_it_balances_trips_at_once() {
+    let mut bench = Bench::driven();
+    bench.new_order(Task::Balance);
+    bench.run(500);
+    assert_eq!(bench.core.status(), Status::Running);
+    bench.sent.clear();
+    for (fails, steps) in [(true, 1), (true, 300), (false, 1_500)] {
+        bench.sensors.fails = fails;
+        bench.order(Task::Balance, 60_000);
+        bench.run(steps);
+        assert_eq!(bench.core.status(), Status::TrippedFault);
+    }
+    assert!(bench.sent.iter().all(|frame| frame.duty == ZERO_CURRENT));
+    assert_eq!(bench.faults.len(), 301);
 }
 
 #[test]
@@ -362,23 +418,40 @@ fn noise_on_the_line_is_no_order() {
     bench.assert_still();
 }
 
-/// A timer of 14 bits, as the LEDC of the ESP32-C3 has it at 5 kHz.
+/// Timers of other ranges than the 16 bits of the module: 14 bits, as the LEDC of the ESP32-C3 has them at 5 kHz, an Uno's
+/// 8, and one whose range is no power of two. The share at zero current is a half, and that of a current within a count of
+/// the timer.
 #[test]
 fn another_timer_gets_the_same_share() {
-    struct Coarse(u16);
+    struct Coarse {
+        most: u16,
+        duty: u16,
+    }
     impl ErrorType for Coarse {
         type Error = Infallible;
     }
     impl SetDutyCycle for Coarse {
         fn max_duty_cycle(&self) -> u16 {
-            16_383
+            self.most
         }
         fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {
-            self.0 = duty;
+            self.duty = duty;
             Ok(())
         }
     }
-    let (mut core, mut timer) = (LoopCore::new(), Coarse(0));
-    core.tick(0, &mut Upright::default(), &mut timer);
-    assert_eq!(timer.0, ZERO_CURRENT / 4);
+    for most in [255, 1_023, 4_095, 9_999, 16_383, u16::MAX] {
+        let mut bench = Bench::driven();
+        let share = f64::from(bench.timer.duty) / 65_536.0;
+        let mut timer = Coarse { most, duty: 0 };
+        bench.now_us += SAMPLE_TIME_US;
+        bench
+            .core
+            .tick(bench.now_us, &mut bench.sensors, &mut timer);
+        let wanted = share * (f64::from(most) + 1.0);
+        let off = wanted - f64::from(timer.duty);
+        assert!((0.0..1.0).contains(&off), "{most}: {off}");
+        let (mut core, mut timer) = (LoopCore::new(), Coarse { most, duty: 0 });
+        core.tick(0, &mut Upright::default(), &mut timer);
+        assert_eq!(u32::from(timer.duty), (u32::from(most) + 1) / 2, "{most}");
+    }
 }

@@ -9,6 +9,7 @@
 //! | u8 | 1: the sensors answer, 0: the bus fails |
 //! | 9 × i16 | gyroscope, accelerometer, magnetometer (−32768 in each: none) |
 //! | u16 | wheel |
+//! | u16 | the encoder on the pivot; not read by a module without one |
 //! | u8, bytes | how many bytes came on the serial line, and which |
 //!
 //! and reads from standard output
@@ -61,7 +62,7 @@ fn main() -> io::Result<()> {
     let mut core = LoopCore::new();
     let mut timer = Timer(0);
     loop {
-        let mut head = [0; 26];
+        let mut head = [0; 28];
         match input.read_exact(&mut head) {
             Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => return Ok(()),
             other => other?,
@@ -84,7 +85,7 @@ fn main() -> io::Result<()> {
     }
 }
 
-fn reading(words: [u8; 20]) -> Reading {
+fn reading(words: [u8; 22]) -> Reading {
     let word = |index: usize| [words[2 * index], words[2 * index + 1]];
     let axes = |first: usize| [0, 1, 2].map(|axis| i16::from_le_bytes(word(first + axis)));
     let mag = axes(6);
@@ -92,7 +93,7 @@ fn reading(words: [u8; 20]) -> Reading {
         gyro: axes(0),
         accel: axes(3),
         mag: (mag != [NO_FIELD; 3]).then_some(mag),
-        body_count: 0,
+        body_count: u16::from_le_bytes(word(10)),
         wheel: u16::from_le_bytes(word(9)),
     }
 }

@@ -189,6 +189,18 @@ impl<'w> Run<'w> {
         }
     }
 
+    /// Begins a task on a firmware that may just have started. After its start a firmware does not arm for the first
+    /// command if that asks for the motor, because it may be one from before the start: so it first hears another.
+    fn begin(&mut self, task: Task) -> Result<(), Error> {
+        self.ask(Task::Watch, true);
+        // Some may be lost on the line.
+        for _ in 0..3 {
+            self.line.send(&self.command)?;
+        }
+        self.ask(task, true);
+        Ok(())
+    }
+
     /// Sends this task from now on. With `is_new` the firmware begins it anew; otherwise it only changes.
     fn ask(&mut self, task: Task, is_new: bool) {
         if is_new {
@@ -271,9 +283,10 @@ impl<'w> Run<'w> {
         progress: &Progress,
         sample: &mut dyn FnMut(&RecordedSample),
     ) -> Result<Option<Telemetry>, Error> {
-        self.ask(part.stretches[0].task, true);
+        self.ask(Task::Watch, true);
         let began = Instant::now();
         let mut status = NOT_ALIGNED;
+        let mut last_us = None;
         while began.elapsed() < PATIENCE {
             if (progress.cancelled)() {
                 return Ok(None);
@@ -285,6 +298,12 @@ impl<'w> Run<'w> {
                 continue;
             };
             sample(&self.in_si(&frame, None));
+            let before_us = last_us.replace(frame.time_us);
+            // Opening the port restarts some boards.
+            if before_us.is_none_or(|before| frame.time_us.wrapping_sub(before) > RESTART_US) {
+                self.begin(part.stretches[0].task)?;
+                continue;
+            }
             status = frame.status;
             // An encoder on the pivot shows the angle from its first count on, in every position of the body.
             let is_known = status != NOT_ALIGNED || self.words.has_pivot_encoder;
