@@ -177,9 +177,10 @@ impl Controller {
     }
 
     /// The window with one sample more; a full one sets the attitude in the step after it, since both together
-    /// would be the longest step of all.
+    /// would be the longest step of all. Not inlined, so that a step without it has less on its stack.
+    #[inline(never)]
     fn align(&mut self, sample: &Sample) {
-        if self.window.count >= LIMITS.window {
+        if self.window.count as i32 >= LIMITS.window {
             self.attitude.align_to(self.window.sum);
             self.window = EMPTY_WINDOW;
             self.is_aligned = true;
