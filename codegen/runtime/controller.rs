@@ -394,10 +394,11 @@ impl Controller {
     }
 
     /// Adds a sample to the window. A full window sets the attitude in the following step: both in one step would
-    /// be the longest step of all.
+    /// be the longest step of all. Not inlined, so that a step without it needs less stack.
     #[cfg(not(body_encoder))]
+    #[inline(never)]
     fn align(&mut self, sample: &Sample) {
-        if self.window.count >= LIMITS.window {
+        if self.window.count as i32 >= LIMITS.window {
             self.attitude.align_to(self.window.sum);
             self.window = EMPTY_WINDOW;
             self.is_aligned = true;

@@ -44,7 +44,7 @@ pub struct Limits {
     pub rate_arm: i32,
     /// Number of samples in the window that sets the attitude: 2^`window_shift`.
     pub window: i32,
-    /// Base-two logarithm of `window`, at most 16.
+    /// Base-two logarithm of `window`, at most 15.
     pub window_shift: u32,
     /// Squared length of the shortest accelerometer reading that can be gravity, in units of 2³².
     pub gravity_low: i32,
@@ -76,15 +76,15 @@ pub struct Limits {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counters {
     /// The wheel's speed was unknown.
-    pub wheel: i32,
+    pub wheel: u16,
     /// The gyroscope or the accelerometer was at the end of its range.
-    pub clipped: i32,
+    pub clipped: u16,
     /// The gyroscope's reading did not change.
-    pub frozen: i32,
+    pub frozen: u16,
     /// The accelerometer showed no gravity.
-    pub rejected: i32,
+    pub rejected: u16,
     /// The current was at its limit.
-    pub saturated: i32,
+    pub saturated: u16,
     /// The last gyroscope reading that was not at the end of the range, counts.
     pub gyro: [i16; 3],
 }
@@ -103,9 +103,9 @@ pub const NOTHING_COUNTED: Counters = Counters {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
     /// Number of samples so far.
-    pub count: i32,
-    /// The first sample, accelerometer units.
-    pub first: [i32; 3],
+    pub count: u16,
+    /// The first sample in units of [`FIRST_UNIT`], rounded down.
+    pub first: [i16; 3],
     /// Sum of the samples, each divided by the size of a full window: the mean once it is full.
     pub sum: [i32; 3],
 }
@@ -120,12 +120,19 @@ pub const EMPTY_WINDOW: Window = Window {
 /// Largest component of a window's sum; a calibrated reading has the same bound.
 pub const SUM_MAX: i32 = 0x2000_0000;
 
+/// Accelerometer units in one unit of a window's first reading: 2¹⁵, so that a reading within ±2²⁹ has 15 bits. At ±8 g
+/// it is a thousandth of gravity.
+pub const FIRST_UNIT: i32 = 0x8000;
+
+/// Largest value of a counter, and largest limit of one.
+pub const COUNTED_MAX: i32 = 0xffff;
+
 /// The counter of a condition after a step: one more, at most `limit`, if the condition holds; else
 /// zero.
 #[inline]
-pub fn counted(count: i32, holds: bool, limit: i32) -> i32 {
+pub fn counted(count: u16, holds: bool, limit: i32) -> u16 {
     if holds {
-        clamp(clamp(count, 0, 0x3fff_ffff) + 1, 0, limit)
+        clamp(clamp(count as i32 + 1, 0, limit), 0, COUNTED_MAX) as u16
     } else {
         0
     }
@@ -159,15 +166,15 @@ pub fn observed(
 pub fn judged(counters: &Counters, angle: i32, limits: &Limits) -> Status {
     if angle < -limits.angle_trip || angle > limits.angle_trip {
         Status::TrippedAngle
-    } else if counters.frozen >= limits.frozen_steps {
+    } else if counters.frozen as i32 >= limits.frozen_steps {
         Status::TrippedFrozen
-    } else if counters.clipped >= limits.clipped_steps {
+    } else if counters.clipped as i32 >= limits.clipped_steps {
         Status::TrippedClipped
-    } else if counters.wheel >= limits.wheel_steps {
+    } else if counters.wheel as i32 >= limits.wheel_steps {
         Status::TrippedWheelSpeed
-    } else if counters.rejected >= limits.rejected_steps {
+    } else if counters.rejected as i32 >= limits.rejected_steps {
         Status::TrippedAccelerometer
-    } else if counters.saturated >= limits.saturated_steps {
+    } else if counters.saturated as i32 >= limits.saturated_steps {
         Status::TrippedCurrent
     } else {
         Status::Running
@@ -181,7 +188,7 @@ pub fn may_arm(counters: &Counters, angle: i32, rate: i32, limits: &Limits) -> b
         && angle <= limits.angle_arm
         && -limits.rate_arm <= rate
         && rate <= limits.rate_arm
-        && counters.frozen < limits.frozen_steps
+        && (counters.frozen as i32) < limits.frozen_steps
         && counters.clipped == 0
         && counters.wheel == 0
         && counters.rejected == 0
@@ -195,9 +202,18 @@ pub fn gathered(window: &Window, up: [i32; 3], is_quiet: bool, limits: &Limits) 
         return EMPTY_WINDOW;
     }
     let agrees = window.count > 0
-        && is_within(up[0] - window.first[0], limits.agreement)
-        && is_within(up[1] - window.first[1], limits.agreement)
-        && is_within(up[2] - window.first[2], limits.agreement);
+        && is_within(
+            up[0] - window.first[0] as i32 * FIRST_UNIT,
+            limits.agreement,
+        )
+        && is_within(
+            up[1] - window.first[1] as i32 * FIRST_UNIT,
+            limits.agreement,
+        )
+        && is_within(
+            up[2] - window.first[2] as i32 * FIRST_UNIT,
+            limits.agreement,
+        );
     let share = [
         up[0] >> limits.window_shift,
         up[1] >> limits.window_shift,
@@ -216,7 +232,11 @@ pub fn gathered(window: &Window, up: [i32; 3], is_quiet: bool, limits: &Limits) 
     } else {
         Window {
             count: 1,
-            first: up,
+            first: [
+                (up[0] >> 15) as i16,
+                (up[1] >> 15) as i16,
+                (up[2] >> 15) as i16,
+            ],
             sum: share,
         }
     }

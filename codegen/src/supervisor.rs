@@ -13,7 +13,7 @@ use crate::hardware::{BodyEncoder, EncoderSpec, WINDOW_MAX, WheelSensor};
 use crate::helpers::body_supervisor::Limits as BodyLimits;
 use crate::helpers::encoder::EncoderNumbers;
 use crate::helpers::filter::FilterConstants;
-use crate::helpers::supervisor::Limits;
+use crate::helpers::supervisor::{COUNTED_MAX, Limits};
 use crate::ir::IntegerLaw;
 use crate::spec::ModuleSpec;
 
@@ -109,8 +109,8 @@ pub fn numbers(spec: &ModuleSpec) -> SupervisorNumbers {
             .min(spec.ranges.angle_rad),
         angle_arm_rad: holding.min(ANGLE_TRIP_MAX_RAD).min(spec.ranges.angle_rad),
         rate_arm_rad_s: RATE_ARM_SHARE * holding * fall.max(0.0).sqrt(),
-        saturated_s: spec.ranges.wheel_speed_rad_s / speed_up,
-        frozen_s: FROZEN_REFRESHES * refresh_s,
+        saturated_s: countable(spec.ranges.wheel_speed_rad_s / speed_up, spec.sample_time_s),
+        frozen_s: countable(FROZEN_REFRESHES * refresh_s, spec.sample_time_s),
     }
 }
 
@@ -128,7 +128,7 @@ pub fn derive(
     let period = spec.sample_time_s;
     let steps = |what: &'static str, time_s: f64| steps(what, time_s, period);
     let [angle_trip, angle_arm, rate_arm] = leaning(&numbers, law)?;
-    let window_shift = (WINDOW_S / period).log2().round().clamp(2.0, 16.0) as u32;
+    let window_shift = (WINDOW_S / period).log2().round().clamp(2.0, 15.0) as u32;
     // Accelerometer units of one g, from the words themselves.
     let per_m_s2 = unit_per_m_s2(filter, attitude);
     let gravity = attitude.gravity_m_s2 * per_m_s2;
@@ -236,7 +236,17 @@ fn word(what: &'static str, value: f64) -> Result<i32, AttitudeRefusal> {
 
 /// A time in steps, at least two: a single bad reading must not trip.
 fn steps(what: &'static str, time_s: f64, period_s: f64) -> Result<i32, AttitudeRefusal> {
+    let time_s = countable(time_s, period_s);
     word(what, (time_s / period_s * (1.0 - 1e-9)).ceil().max(2.0))
+}
+
+/// A time, or as much of it as the controller counts: it trips sooner, not later. An infinite one stays, and has no word.
+fn countable(time_s: f64, period_s: f64) -> f64 {
+    if time_s.is_finite() {
+        time_s.min(f64::from(COUNTED_MAX) * period_s)
+    } else {
+        time_s
+    }
 }
 
 /// The numbers of an encoder whose axis the unit of current accelerates by `acceleration` (rad/s² per A).
@@ -351,7 +361,10 @@ pub fn documents(spec: &ModuleSpec, attitude: &AttitudeSpec) -> Vec<String> {
                 .map(|counts| counts.to_string())
                 .join(", ")
         ),
-        format!("| accelerometer shows no gravity | {REJECTED_S} s |"),
+        format!(
+            "| accelerometer shows no gravity | {} s |",
+            countable(REJECTED_S, spec.sample_time_s)
+        ),
         format!("| current at its limit | {:.3} s |", numbers.saturated_s),
     ];
     if matches!(spec.hardware.wheel, WheelSensor::Encoder(_)) {

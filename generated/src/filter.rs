@@ -111,7 +111,7 @@ pub fn step_tracked(
 
 /// The state turned about the vertical towards magnetic north, by at most 2 β T; unchanged where the
 /// magnetometer cannot be used.
-#[inline]
+#[inline(never)]
 pub fn headed(state: &FilterState, mag: [i16; 3], constants: &FilterConstants) -> FilterState {
     let field = calibrate(mag, &constants.mag);
     if is_saturated(mag, constants.mag_clip) || length_squared(field) < constants.field_squared_min

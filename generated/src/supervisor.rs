@@ -2,15 +2,14 @@
 
 //! When the motor may be driven, and when it may no longer.
 //!
-//! The attitude starts from the mean of a window of samples that agree with each other and are as
-//! long as gravity. While the motor is driven, a counter runs for each fault condition below. A
-//! condition that holds for its stated number of consecutive steps trips the controller: the
-//! current is then zero until the controller is armed again.
+//! The attitude is set by the mean of a window of samples that agree with each other and with
+//! gravity. While the motor is driven, each of the conditions below is counted; one that lasts for
+//! its stated number of steps trips, and the current is zero until the controller is armed again.
 
 use super::product::clamp;
 use super::scaling::is_within;
 
-/// What the controller does. A trip lasts until the controller is armed again.
+/// What the controller does. A trip lasts until it is armed again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// No window of quiet samples has set the attitude yet.
@@ -19,13 +18,13 @@ pub enum Status {
     Ready = 1,
     /// The motor is driven.
     Running = 2,
-    /// The body leaned beyond the largest angle at which the motor is driven.
+    /// The body leaned further than the motor could have brought back.
     TrippedAngle = 3,
-    /// The gyroscope's reading did not change for longer than its noise allows: it is stuck.
+    /// The gyroscope's words stood still for longer than noise lets them.
     TrippedFrozen = 4,
-    /// The gyroscope or the accelerometer stayed at the end of its range.
+    /// Gyroscope or accelerometer stayed at the end of its range.
     TrippedClipped = 5,
-    /// The reading of the wheel's speed stayed at an end of the sensor's range.
+    /// The wheel's speed stayed at the ends of what the sensor shows.
     TrippedWheelSpeed = 6,
     /// The accelerometer showed no gravity for too long.
     TrippedAccelerometer = 7,
@@ -35,63 +34,63 @@ pub enum Status {
     TrippedFault = 9,
 }
 
-/// The limits of the supervisor, in the words that the step computes with.
+/// Numbers of the supervisor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Largest angle at which the motor stays driven, in words of the angle.
+    /// Largest angle while running, word of the angle.
     pub angle_trip: i32,
-    /// Largest angle at which the controller can be armed, in words of the angle.
+    /// Largest angle at which the controller is armed, word of the angle.
     pub angle_arm: i32,
-    /// Largest rate at which the controller can be armed, in words of the rate.
+    /// Largest rate at which the controller is armed, word of the rate.
     pub rate_arm: i32,
-    /// Number of samples in the window that sets the attitude: 2^`window_shift`.
+    /// Samples of the window that sets the attitude: 2^`window_shift`.
     pub window: i32,
-    /// Base-two logarithm of `window`, at most 16.
+    /// At most 15.
     pub window_shift: u32,
-    /// Squared length of the shortest accelerometer reading that can be gravity, in units of 2³².
+    /// Squared length of the shortest reading that may be gravity, in units of 2³².
     pub gravity_low: i32,
-    /// Squared length of the longest accelerometer reading that can be gravity, in units of 2³².
+    /// Squared length of the longest.
     pub gravity_high: i32,
-    /// Largest difference between two readings of a window in one component, accelerometer units.
+    /// Largest difference of two readings of a window, in a component, accelerometer units.
     pub agreement: i32,
-    /// Largest turn in one step of the window: half-angle in Q32.
+    /// Largest turn of a step in the window, half-angles in Q32.
     pub quiet_turn: i32,
-    /// Largest magnitude of the gyroscope's counts; from there on the true rate is unknown.
+    /// Gyroscope counts at or beyond which, either way, the true rate is unknown.
     pub gyro_clip: [i32; 3],
-    /// Lower end of the wheel sensor's range, counts: at or below it the speed is unknown.
+    /// Counts of the wheel's sensor at or below which the speed may be any.
     pub wheel_low: i32,
-    /// Upper end of the wheel sensor's range, counts: at or above it the speed is unknown.
+    /// Counts at or above which it may be any.
     pub wheel_high: i32,
-    /// Consecutive steps with an unknown wheel speed that trip the controller.
+    /// Steps with an unknown wheel speed that trip.
     pub wheel_steps: i32,
-    /// Consecutive steps with a reading at the end of its range that trip the controller.
+    /// Steps at the end of a range that trip.
     pub clipped_steps: i32,
-    /// Consecutive steps with an unchanged gyroscope reading that trip the controller.
+    /// Steps without a change of the gyroscope's words that trip.
     pub frozen_steps: i32,
-    /// Consecutive steps in which the accelerometer shows no gravity that trip the controller.
+    /// Steps without gravity that trip.
     pub rejected_steps: i32,
-    /// Consecutive steps with the current at its limit that trip the controller.
+    /// Steps at the current's limit that trip.
     pub saturated_steps: i32,
 }
 
-/// The number of consecutive steps for which each condition has held, at most its limit.
+/// For how many steps each condition has lasted, at most its limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counters {
     /// The wheel's speed was unknown.
-    pub wheel: i32,
-    /// The gyroscope or the accelerometer was at the end of its range.
-    pub clipped: i32,
-    /// The gyroscope's reading did not change.
-    pub frozen: i32,
+    pub wheel: u16,
+    /// Gyroscope or accelerometer was at the end of its range.
+    pub clipped: u16,
+    /// The gyroscope's words stood still.
+    pub frozen: u16,
     /// The accelerometer showed no gravity.
-    pub rejected: i32,
+    pub rejected: u16,
     /// The current was at its limit.
-    pub saturated: i32,
-    /// The last gyroscope reading that was not at the end of the range, counts.
+    pub saturated: u16,
+    /// The gyroscope's words of the last step that was not at the end of its range.
     pub gyro: [i16; 3],
 }
 
-/// No condition has held yet.
+/// Nothing has lasted yet.
 pub const NOTHING_COUNTED: Counters = Counters {
     wheel: 0,
     clipped: 0,
@@ -104,36 +103,42 @@ pub const NOTHING_COUNTED: Counters = Counters {
 /// The window of quiet samples so far.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
-    /// Number of samples so far.
-    pub count: i32,
-    /// The first sample, accelerometer units.
-    pub first: [i32; 3],
-    /// Sum of the samples, each divided by the size of a full window: the mean once it is full.
+    /// Samples in it.
+    pub count: u16,
+    /// The first of them, in units of [`FIRST_UNIT`], rounded down.
+    pub first: [i16; 3],
+    /// Sum of the samples, each over the size of a full window.
     pub sum: [i32; 3],
 }
 
-/// A window without a sample.
+/// No sample yet.
 pub const EMPTY_WINDOW: Window = Window {
     count: 0,
     first: [0, 0, 0],
     sum: [0, 0, 0],
 };
 
-/// Largest component of a window's sum; a calibrated reading has the same bound.
+/// Largest component of a window's sum: that of a calibrated reading.
 pub const SUM_MAX: i32 = 0x2000_0000;
 
-/// The counter of a condition after a step: one more, at most `limit`, if the condition holds; else
-/// zero.
+/// Accelerometer units in one unit of a window's first reading: 2¹⁵, so that a reading within ±2²⁹ has 15 bits. At ±8 g
+/// it is a thousandth of gravity.
+pub const FIRST_UNIT: i32 = 0x8000;
+
+/// Largest count, and largest limit of one.
+pub const COUNTED_MAX: i32 = 0xffff;
+
+/// The count of a condition after a step: one more, at most `limit`, where it holds; else none.
 #[inline]
-pub fn counted(count: i32, holds: bool, limit: i32) -> i32 {
+pub fn counted(count: u16, holds: bool, limit: i32) -> u16 {
     if holds {
-        clamp(clamp(count, 0, 0x3fff_ffff) + 1, 0, limit)
+        clamp(clamp(count as i32 + 1, 0, limit), 0, COUNTED_MAX) as u16
     } else {
         0
     }
 }
 
-/// The counters after a sample. The counter of the current's limit does not change here.
+/// The counts after a sample; that of the current's limit stays.
 #[inline]
 pub fn observed(
     counters: &Counters,
@@ -156,50 +161,59 @@ pub fn observed(
     }
 }
 
-/// The status of a running controller after a sample, from its counters and the word of the angle.
+/// The status of a controller that runs, by its counts and the word of the angle.
 #[inline]
 pub fn judged(counters: &Counters, angle: i32, limits: &Limits) -> Status {
     if angle < -limits.angle_trip || angle > limits.angle_trip {
         Status::TrippedAngle
-    } else if counters.frozen >= limits.frozen_steps {
+    } else if counters.frozen as i32 >= limits.frozen_steps {
         Status::TrippedFrozen
-    } else if counters.clipped >= limits.clipped_steps {
+    } else if counters.clipped as i32 >= limits.clipped_steps {
         Status::TrippedClipped
-    } else if counters.wheel >= limits.wheel_steps {
+    } else if counters.wheel as i32 >= limits.wheel_steps {
         Status::TrippedWheelSpeed
-    } else if counters.rejected >= limits.rejected_steps {
+    } else if counters.rejected as i32 >= limits.rejected_steps {
         Status::TrippedAccelerometer
-    } else if counters.saturated >= limits.saturated_steps {
+    } else if counters.saturated as i32 >= limits.saturated_steps {
         Status::TrippedCurrent
     } else {
         Status::Running
     }
 }
 
-/// Whether the controller can be armed: near upright, nearly at rest, and no sensor at fault.
+/// Whether the motor may be driven from here: near upright, nearly at rest, and no sensor stuck.
 #[inline]
 pub fn may_arm(counters: &Counters, angle: i32, rate: i32, limits: &Limits) -> bool {
     -limits.angle_arm <= angle
         && angle <= limits.angle_arm
         && -limits.rate_arm <= rate
         && rate <= limits.rate_arm
-        && counters.frozen < limits.frozen_steps
+        && (counters.frozen as i32) < limits.frozen_steps
         && counters.clipped == 0
         && counters.wheel == 0
         && counters.rejected == 0
 }
 
-/// The window after the sample `up`. A quiet sample that agrees with the first one joins the
-/// window; a quiet one that does not agree starts a new window; any other empties the window.
+/// The window after a sample: `up` joins it where it is quiet and agrees with the first one; a
+/// quiet sample that does not agree begins another; one that is not quiet leaves none.
 #[inline]
 pub fn gathered(window: &Window, up: [i32; 3], is_quiet: bool, limits: &Limits) -> Window {
     if !is_quiet {
         return EMPTY_WINDOW;
     }
     let agrees = window.count > 0
-        && is_within(up[0] - window.first[0], limits.agreement)
-        && is_within(up[1] - window.first[1], limits.agreement)
-        && is_within(up[2] - window.first[2], limits.agreement);
+        && is_within(
+            up[0] - window.first[0] as i32 * FIRST_UNIT,
+            limits.agreement,
+        )
+        && is_within(
+            up[1] - window.first[1] as i32 * FIRST_UNIT,
+            limits.agreement,
+        )
+        && is_within(
+            up[2] - window.first[2] as i32 * FIRST_UNIT,
+            limits.agreement,
+        );
     let share = [
         up[0] >> limits.window_shift,
         up[1] >> limits.window_shift,
@@ -218,7 +232,11 @@ pub fn gathered(window: &Window, up: [i32; 3], is_quiet: bool, limits: &Limits) 
     } else {
         Window {
             count: 1,
-            first: up,
+            first: [
+                (up[0] >> 15) as i16,
+                (up[1] >> 15) as i16,
+                (up[2] >> 15) as i16,
+            ],
             sum: share,
         }
     }

@@ -79,10 +79,7 @@ impl Invariant {
             within(limits.drift)
         } else if name.contains(".window.sum[") {
             within(limits.sum)
-        } else if name.contains(".window.first[")
-            || name.ends_with("state.rate")
-            || name.ends_with("state.slow_rate")
-        {
+        } else if name.ends_with("state.rate") || name.ends_with("state.slow_rate") {
             within(limits.rate)
         } else {
             None

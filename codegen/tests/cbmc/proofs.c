@@ -113,11 +113,11 @@ void proof_normalised(void) {
 /* Each count goes on or ends, within its limit, and the words of the gyroscope are those of the sample. */
 void proof_counts(void) {
     flywheel_counters_t before, after;
-    before.wheel = nondet_int32();
-    before.clipped = nondet_int32();
-    before.frozen = nondet_int32();
-    before.rejected = nondet_int32();
-    before.saturated = nondet_int32();
+    before.wheel = nondet_uint16();
+    before.clipped = nondet_uint16();
+    before.frozen = nondet_uint16();
+    before.rejected = nondet_uint16();
+    before.saturated = nondet_uint16();
     before.gyro[0] = nondet_int16();
     before.gyro[1] = nondet_int16();
     before.gyro[2] = nondet_int16();

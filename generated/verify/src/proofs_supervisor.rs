@@ -20,9 +20,9 @@ fn any_counters() -> Counters {
 
 #[kani::proof]
 fn supervisor_counts() {
-    let (count, holds, limit) = (kani::any(), kani::any(), kani::any());
+    let (count, holds, limit): (u16, bool, i32) = (kani::any(), kani::any(), kani::any());
     kani::assume(limit >= 1);
-    kani::cover!(holds && count == limit, "a count at its limit");
+    kani::cover!(holds && count as i32 == limit, "a count at its limit");
     supervisor::counts_are_bounded(count, holds, limit);
 }
 
@@ -57,9 +57,9 @@ fn supervisor_gathers() {
     };
     let window = Window {
         count: kani::any(),
-        first: within(kani::any()),
+        first: kani::any(),
         sum: within(kani::any()),
     };
-    kani::cover!(window.count == LIMITS.window, "a full window");
+    kani::cover!(window.count as i32 == LIMITS.window, "a full window");
     supervisor::windows_are_of_quiet_samples(&window, within(kani::any()), kani::any());
 }

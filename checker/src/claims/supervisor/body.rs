@@ -15,7 +15,7 @@ use crate::claims::supervisor::second::{
     READY, RUNNING, TRIPPED_ANGLE, TRIPPED_CURRENT, TRIPPED_FAULT, TRIPPED_FROZEN,
     TRIPPED_WHEEL_SPEED,
 };
-use crate::claims::supervisor::words::{LargestCurrent, near, of_the_plant, real};
+use crate::claims::supervisor::words::{LargestCurrent, near, of_the_plant, real, steps};
 use crate::language::module::Module;
 
 /// Time near upright and at rest before it is armed, and time with an unknown wheel speed, s.
@@ -49,7 +49,7 @@ pub(crate) fn check(
     near("left_over", SHARES[0] * limit_a * current_unit)?;
     let count = TAU / real(&encoder.counts_per_turn.value.abs());
     let frozen_s = 2.0 * (2.0 * COUNTS * count / (SHARES[1] * push * limit_a)).sqrt();
-    near("frozen_steps", (frozen_s / period).max(2.0))
+    near("frozen_steps", steps(frozen_s, period))
 }
 
 /// What the sensors said.

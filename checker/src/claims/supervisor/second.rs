@@ -19,6 +19,11 @@ const TRIPPED_ACCELEROMETER: i128 = 7;
 pub(crate) const TRIPPED_CURRENT: i128 = 8;
 pub(crate) const TRIPPED_FAULT: i128 = 9;
 
+/// Accelerometer units in a unit of the first reading of a window.
+const FIRST_UNIT: i128 = 1 << 15;
+/// The largest count of 16 bits.
+pub(super) const MOST_COUNTED: i128 = 65_535;
+
 /// Where the words of a controller stand: attitude, the wheel's encoder where there is one, status, aligned, window,
 /// counts, observer.
 #[derive(Clone, Copy, Debug)]
@@ -155,7 +160,11 @@ impl<'a> Supervisor<'a> {
 
     fn counted(&self, count: i128, holds: bool, limit: &str) -> Result<i128, String> {
         let limit = self.limit(limit)?;
-        Ok(if holds { (count + 1).min(limit) } else { 0 })
+        Ok(if holds {
+            (count + 1).min(limit).min(MOST_COUNTED)
+        } else {
+            0
+        })
     }
 
     /// The accelerometer's reading, and whether it shows gravity.
@@ -349,8 +358,8 @@ impl<'a> Supervisor<'a> {
         let shift = self.limit("window_shift")?;
         let agreement = self.limit("agreement")?;
         let share: Vec<i128> = up.iter().map(|word| word >> shift).collect();
-        let agrees =
-            next[window] > 0 && (0..3).all(|k| (up[k] - next[window + 1 + k]).abs() < agreement);
+        let agrees = next[window] > 0
+            && (0..3).all(|k| (up[k] - next[window + 1 + k] * FIRST_UNIT).abs() < agreement);
         if agrees {
             next[window] = self.counted(next[window], true, "window")?;
             for (sum, share) in next[window + 4..].iter_mut().zip(&share) {
@@ -358,7 +367,9 @@ impl<'a> Supervisor<'a> {
             }
         } else {
             next[window] = 1;
-            next[window + 1..window + 4].copy_from_slice(up);
+            for (first, up) in next[window + 1..].iter_mut().zip(up) {
+                *first = up.div_euclid(FIRST_UNIT);
+            }
             next[window + 4..window + 7].copy_from_slice(&share);
         }
         Ok(())

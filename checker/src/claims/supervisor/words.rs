@@ -13,6 +13,7 @@ use crate::certificate::hardware::CertifiedInertial;
 use crate::certificate::reader::Certificate;
 use crate::claims::control_law::EmittedLaw;
 use crate::claims::named_words::NamedWords;
+use crate::claims::supervisor::second::MOST_COUNTED;
 use crate::language::module::Module;
 
 /// How far a word may be from its number: a unit, and a millionth for double precision.
@@ -28,10 +29,10 @@ pub(crate) const TIMES_S: [(&str, f64); 3] = [
 /// Refresh periods over which the gyroscope's words may stand still.
 const FROZEN_REFRESHES: f64 = 20.0;
 
-/// Time of quiet samples that sets the attitude, s; the window is the nearest power of two of steps, from 2² to 2¹⁶.
+/// Time of quiet samples that sets the attitude, s; the window is the nearest power of two of steps, from 2² to 2¹⁵.
 const WINDOW_S: f64 = 0.25;
 /// Exponents of the shortest and the longest window.
-const WINDOW_SHIFTS: [f64; 2] = [2.0, 16.0];
+const WINDOW_SHIFTS: [f64; 2] = [2.0, 15.0];
 
 fn word(words: &NamedWords, name: &str) -> Result<f64, String> {
     let word = words.get(&format!("LIMITS.{name}"))?;
@@ -48,6 +49,11 @@ pub(crate) fn near(words: &NamedWords, name: &str, wanted: f64) -> Result<(), St
             "LIMITS.{name} is {found}, but its stated number gives {wanted:.1}"
         ))
     }
+}
+
+/// A time as steps: at least two, at most what 16 bits count.
+pub(super) fn steps(time_s: f64, period_s: f64) -> f64 {
+    (time_s / period_s).clamp(2.0, MOST_COUNTED as f64)
 }
 
 /// A number of the certificate.
@@ -97,7 +103,7 @@ pub(crate) fn of_the_plant(
     near("rate_arm", 0.25 * holding * fall.max(0.0).sqrt() * unit(1))?;
     let range = real(&certificate.inputs[2].range.value);
     let wheel_alone = (push + wheel).abs() * limit_a;
-    near("saturated_steps", (range / wheel_alone / period).max(2.0))?;
+    near("saturated_steps", steps(range / wheel_alone, period))?;
 
     let micros = NamedWords::read(module, "SAMPLE_TIME_US")?.get("SAMPLE_TIME_US")?;
     if (real(&micros) - 1e6 * period).abs() > TOLERANCE {
@@ -126,7 +132,7 @@ pub(super) fn check(
     let near = |name: &str, wanted: f64| near(&words, name, wanted);
     let period = real(&certificate.sample_time_s.value);
     for (name, time_s) in TIMES_S {
-        near(name, (time_s / period).max(2.0))?;
+        near(name, steps(time_s, period))?;
     }
     of_the_plant(certificate, module, law, &words)?;
 
@@ -136,7 +142,7 @@ pub(super) fn check(
         .map_or(period, |rate| 1.0 / real(&rate.value))
         .max(period);
     let frozen_s = FROZEN_REFRESHES * refresh_s;
-    near("frozen_steps", (frozen_s / period).max(2.0))?;
+    near("frozen_steps", steps(frozen_s, period))?;
 
     let window = word("window")?;
     let shift = word("window_shift")?;

@@ -4,7 +4,8 @@
 
 use generated::constants::LIMITS;
 use generated::supervisor::{
-    Counters, EMPTY_WINDOW, SUM_MAX, Status, Window, counted, gathered, judged, may_arm, observed,
+    COUNTED_MAX, Counters, EMPTY_WINDOW, SUM_MAX, Status, Window, counted, gathered, judged,
+    may_arm, observed,
 };
 use generated::{Controller, Sample, ZERO_CURRENT};
 
@@ -13,13 +14,13 @@ use generated::{Controller, Sample, ZERO_CURRENT};
 ///
 /// # Panics
 /// If the claim does not hold for these words.
-pub fn counts_are_bounded(count: i32, holds: bool, limit: i32) {
-    let next = counted(count, holds, limit);
+pub fn counts_are_bounded(count: u16, holds: bool, limit: i32) {
+    let next = counted(count, holds, limit) as i32;
     assert!((0..=limit).contains(&next), "a count beyond its limit");
     assert!(holds || next == 0, "a count of what does not hold");
-    // No limit that is emitted comes near 2³⁰ steps, twelve days at 1 kHz.
-    if holds && (0..limit.min(0x3fff_ffff)).contains(&count) {
-        assert!(next == count + 1, "a step is not counted");
+    // No limit that is emitted is larger than the largest count.
+    if holds && (count as i32) < limit.min(COUNTED_MAX) {
+        assert!(next == count as i32 + 1, "a step is not counted");
     }
 }
 
@@ -31,11 +32,11 @@ pub fn counts_are_bounded(count: i32, holds: bool, limit: i32) {
 pub fn each_limit_trips(counters: &Counters, angle: i32) {
     let status = judged(counters, angle, &LIMITS);
     let is_within = (-LIMITS.angle_trip..=LIMITS.angle_trip).contains(&angle)
-        && counters.frozen < LIMITS.frozen_steps
-        && counters.clipped < LIMITS.clipped_steps
-        && counters.wheel < LIMITS.wheel_steps
-        && counters.rejected < LIMITS.rejected_steps
-        && counters.saturated < LIMITS.saturated_steps;
+        && (counters.frozen as i32) < LIMITS.frozen_steps
+        && (counters.clipped as i32) < LIMITS.clipped_steps
+        && (counters.wheel as i32) < LIMITS.wheel_steps
+        && (counters.rejected as i32) < LIMITS.rejected_steps
+        && (counters.saturated as i32) < LIMITS.saturated_steps;
     assert!(
         (status == Status::Running) == is_within,
         "a limit without a trip"
@@ -53,7 +54,7 @@ pub fn each_limit_trips(counters: &Counters, angle: i32) {
 pub fn arming_needs_sound_sensors(counters: &Counters, angle: i32, rate: i32) {
     if may_arm(counters, angle, rate, &LIMITS) {
         assert!(judged(counters, angle, &LIMITS) != Status::TrippedAngle);
-        assert!(counters.frozen < LIMITS.frozen_steps && counters.wheel == 0);
+        assert!((counters.frozen as i32) < LIMITS.frozen_steps && counters.wheel == 0);
         assert!(counters.clipped == 0 && counters.rejected == 0);
     }
 }
@@ -64,10 +65,7 @@ pub fn arming_needs_sound_sensors(counters: &Counters, angle: i32, rate: i32) {
 /// If the claim does not hold for these words.
 pub fn windows_are_of_quiet_samples(window: &Window, up: [i32; 3], is_quiet: bool) {
     let next = gathered(window, up, is_quiet, &LIMITS);
-    assert!(
-        (0..=LIMITS.window).contains(&next.count),
-        "a window too long"
-    );
+    assert!(next.count as i32 <= LIMITS.window, "a window too long");
     for sum in next.sum {
         assert!(
             (-SUM_MAX..=SUM_MAX).contains(&sum),
@@ -92,10 +90,10 @@ pub fn observation_is_total(
     wheel: i32,
 ) {
     let next = observed(counters, gyro, is_clipped, shows_gravity, wheel, &LIMITS);
-    assert!((0..=LIMITS.wheel_steps).contains(&next.wheel));
-    assert!((0..=LIMITS.frozen_steps).contains(&next.frozen));
-    assert!((0..=LIMITS.clipped_steps).contains(&next.clipped));
-    assert!((0..=LIMITS.rejected_steps).contains(&next.rejected));
+    assert!(next.wheel as i32 <= LIMITS.wheel_steps);
+    assert!(next.frozen as i32 <= LIMITS.frozen_steps);
+    assert!(next.clipped as i32 <= LIMITS.clipped_steps);
+    assert!(next.rejected as i32 <= LIMITS.rejected_steps);
     assert!(next.gyro == gyro && next.saturated == counters.saturated);
 }
 
