@@ -14,30 +14,30 @@ use super::supervisor::{
     observed,
 };
 
-/// What the sensors said at one instant.
+/// The readings of the sensors at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sample {
     /// Gyroscope, raw counts.
     pub gyro: [i16; 3],
     /// Accelerometer, raw counts.
     pub accel: [i16; 3],
-    /// Magnetometer, raw counts, where there is a new reading. The controller does not use it: it
-    /// shows the heading, not the pivot's angle.
+    /// Magnetometer, raw counts, if there is a new reading. The controller does not use it: a
+    /// magnetometer shows the heading, not the angle about the pivot.
     pub mag: Option<[i16; 3]>,
-    /// The drive's speed output, raw counts of the converter.
+    /// Raw counts of the converter that reads the drive's speed output.
     pub wheel_adc: u16,
 }
 
-/// Duty of the timer that the drive reads.
+/// Duty of the timer whose signal the drive reads, in counts of the timer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Duty(pub u16);
 
-/// What a sample means.
+/// What the step has derived from one sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Seen {
     /// Whether the motor is to be driven.
     is_driven: bool,
-    /// The body's angle, its word: an arc tangent, so that it is found once a step.
+    /// Word of the body's angle. It takes an arc tangent, so that it is computed once a step.
     angle: i32,
 }
 
@@ -53,7 +53,7 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// Starts without an attitude; a window of quiet samples sets it.
+    /// A controller without an attitude. A window of quiet samples sets the attitude.
     pub const fn new() -> Self {
         Controller {
             attitude: Attitude::new(),
@@ -65,13 +65,14 @@ impl Controller {
         }
     }
 
-    /// What the controller does, or why it does nothing.
+    /// What the controller does, or why the motor gets no current.
     pub fn status(&self) -> Status {
         self.status
     }
 
-    /// From the next step on the motor is driven, if the attitude is known, the body near upright and
-    /// nearly at rest, and no sensor stuck; else nothing changes. Returns whether it is driven.
+    /// Arms the controller: from the next step on the motor is driven. Needs a known attitude, a body
+    /// near upright and nearly at rest, and no sensor at fault; otherwise nothing changes. Returns
+    /// whether the motor is driven.
     pub fn arm(&mut self) -> bool {
         if self.status == Status::Running {
             return true;
@@ -87,8 +88,8 @@ impl Controller {
         }
     }
 
-    /// From the next step on, the current is zero; the attitude is still followed. A trip stays what
-    /// it is.
+    /// Ends driving: from the next step on the current is zero. The attitude is still followed, and
+    /// the status of a trip stays.
     pub fn disarm(&mut self) {
         if self.status == Status::Running {
             self.status = Status::Ready;
@@ -96,7 +97,7 @@ impl Controller {
     }
 
     /// Reports a missed tick or a bus error: from the next step on the current is zero, and the
-    /// attitude has to be found anew.
+    /// attitude has to be found again before the controller can be armed.
     pub fn fault(&mut self) {
         self.trip(Status::TrippedFault);
     }
@@ -106,7 +107,8 @@ impl Controller {
         &self.attitude
     }
 
-    /// Takes one sample and returns the duty: that of zero current unless the controller runs.
+    /// Takes one sample and returns the duty. Unless the controller runs, it is the duty of zero
+    /// current.
     pub fn step(&mut self, sample: &Sample) -> Duty {
         let speed = wheel_speed(sample.wheel_adc);
         let seen = self.seen(sample, speed);
@@ -123,7 +125,7 @@ impl Controller {
         }
     }
 
-    /// As [`Controller::step`], with a current in place of the law's, within its limit.
+    /// As [`Controller::step`], with `current` in place of the control law's, clamped to its limit.
     pub fn step_with_current(&mut self, sample: &Sample, current: Current) -> Duty {
         let speed = wheel_speed(sample.wheel_adc);
         let seen = self.seen(sample, speed);
@@ -135,7 +137,7 @@ impl Controller {
         }
     }
 
-    /// Takes a sample: attitude, counts, window.
+    /// Takes a sample: updates the attitude, the counters and the window.
     fn seen(&mut self, sample: &Sample, speed: WheelSpeed) -> Seen {
         // A reading at the end of the range says nothing of the rate: the last one stands in for the few
         // steps until that trips. Integrated as it is, it would turn the attitude by degrees a step.
@@ -176,8 +178,8 @@ impl Controller {
         }
     }
 
-    /// The window with one sample more; a full one sets the attitude in the step after it, since both together
-    /// would be the longest step of all. Not inlined, so that a step without it has less on its stack.
+    /// Adds a sample to the window. A full window sets the attitude in the following step: both in one step would
+    /// be the longest step of all. Not inlined, so that a step without it needs less stack.
     #[inline(never)]
     fn align(&mut self, sample: &Sample) {
         if self.window.count as i32 >= LIMITS.window {
@@ -194,14 +196,14 @@ impl Controller {
         }
     }
 
-    /// No current, and the attitude is not believed any more.
+    /// Stops driving and discards the attitude.
     fn trip(&mut self, status: Status) {
         self.status = status;
         self.is_aligned = false;
         self.window = EMPTY_WINDOW;
     }
 
-    /// The duty of a current, which is counted where it is at its limit.
+    /// The duty for a current. Steps with the current at its limit are counted.
     fn sent(&mut self, current: Current) -> Duty {
         let word = current.to_bits();
         let limit = CURRENT_LIMIT.to_bits();
@@ -221,12 +223,12 @@ impl Default for Controller {
     }
 }
 
-/// The wheel's speed relative to the body from the converter's counts, within the stated range.
+/// The wheel's speed relative to the body, from the converter's counts, clamped to the stated range.
 pub fn wheel_speed(adc: u16) -> WheelSpeed {
     WheelSpeed::from_bits(on_line(adc as i32, &WHEEL_SPEED_LINE))
 }
 
-/// The duty for a current, within the drive's limits.
+/// The duty for a current, clamped to the drive's limits.
 pub fn duty(current: Current) -> Duty {
     Duty(on_line(current.to_bits(), &DUTY_LINE) as u16)
 }

@@ -2,14 +2,15 @@
 
 //! When the motor may be driven, and when it may no longer.
 //!
-//! The attitude is set by the mean of a window of samples that agree with each other and with
-//! gravity. While the motor is driven, each of the conditions below is counted; one that lasts for
-//! its stated number of steps trips, and the current is zero until the controller is armed again.
+//! The attitude starts from the mean of a window of samples that agree with each other and are as
+//! long as gravity. While the motor is driven, a counter runs for each fault condition below. A
+//! condition that holds for its stated number of consecutive steps trips the controller: the
+//! current is then zero until the controller is armed again.
 
 use super::product::clamp;
 use super::scaling::is_within;
 
-/// What the controller does. A trip lasts until it is armed again.
+/// What the controller does. A trip lasts until the controller is armed again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// No window of quiet samples has set the attitude yet.
@@ -18,13 +19,13 @@ pub enum Status {
     Ready = 1,
     /// The motor is driven.
     Running = 2,
-    /// The body leaned further than the motor could have brought back.
+    /// The body leaned beyond the largest angle at which the motor is driven.
     TrippedAngle = 3,
-    /// The gyroscope's words stood still for longer than noise lets them.
+    /// The gyroscope's reading did not change for longer than its noise allows: it is stuck.
     TrippedFrozen = 4,
-    /// Gyroscope or accelerometer stayed at the end of its range.
+    /// The gyroscope or the accelerometer stayed at the end of its range.
     TrippedClipped = 5,
-    /// The wheel's speed stayed at the ends of what the sensor shows.
+    /// The reading of the wheel's speed stayed at an end of the sensor's range.
     TrippedWheelSpeed = 6,
     /// The accelerometer showed no gravity for too long.
     TrippedAccelerometer = 7,
@@ -34,63 +35,63 @@ pub enum Status {
     TrippedFault = 9,
 }
 
-/// Numbers of the supervisor.
+/// The limits of the supervisor, in the words that the step computes with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Largest angle while running, word of the angle.
+    /// Largest angle at which the motor stays driven, in words of the angle.
     pub angle_trip: i32,
-    /// Largest angle at which the controller is armed, word of the angle.
+    /// Largest angle at which the controller can be armed, in words of the angle.
     pub angle_arm: i32,
-    /// Largest rate at which the controller is armed, word of the rate.
+    /// Largest rate at which the controller can be armed, in words of the rate.
     pub rate_arm: i32,
-    /// Samples of the window that sets the attitude: 2^`window_shift`.
+    /// Number of samples in the window that sets the attitude: 2^`window_shift`.
     pub window: i32,
-    /// At most 15.
+    /// Base-two logarithm of `window`, at most 15.
     pub window_shift: u32,
-    /// Squared length of the shortest reading that may be gravity, in units of 2³².
+    /// Squared length of the shortest accelerometer reading that can be gravity, in units of 2³².
     pub gravity_low: i32,
-    /// Squared length of the longest.
+    /// Squared length of the longest accelerometer reading that can be gravity, in units of 2³².
     pub gravity_high: i32,
-    /// Largest difference of two readings of a window, in a component, accelerometer units.
+    /// Largest difference between two readings of a window in one component, accelerometer units.
     pub agreement: i32,
-    /// Largest turn of a step in the window, half-angles in Q32.
+    /// Largest turn in one step of the window: half-angle in Q32.
     pub quiet_turn: i32,
-    /// Gyroscope counts at or beyond which, either way, the true rate is unknown.
+    /// Largest magnitude of the gyroscope's counts; from there on the true rate is unknown.
     pub gyro_clip: [i32; 3],
-    /// Counts of the wheel's sensor at or below which the speed may be any.
+    /// Lower end of the wheel sensor's range, counts: at or below it the speed is unknown.
     pub wheel_low: i32,
-    /// Counts at or above which it may be any.
+    /// Upper end of the wheel sensor's range, counts: at or above it the speed is unknown.
     pub wheel_high: i32,
-    /// Steps with an unknown wheel speed that trip.
+    /// Consecutive steps with an unknown wheel speed that trip the controller.
     pub wheel_steps: i32,
-    /// Steps at the end of a range that trip.
+    /// Consecutive steps with a reading at the end of its range that trip the controller.
     pub clipped_steps: i32,
-    /// Steps without a change of the gyroscope's words that trip.
+    /// Consecutive steps with an unchanged gyroscope reading that trip the controller.
     pub frozen_steps: i32,
-    /// Steps without gravity that trip.
+    /// Consecutive steps in which the accelerometer shows no gravity that trip the controller.
     pub rejected_steps: i32,
-    /// Steps at the current's limit that trip.
+    /// Consecutive steps with the current at its limit that trip the controller.
     pub saturated_steps: i32,
 }
 
-/// For how many steps each condition has lasted, at most its limit.
+/// The number of consecutive steps for which each condition has held, at most its limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counters {
     /// The wheel's speed was unknown.
     pub wheel: u16,
-    /// Gyroscope or accelerometer was at the end of its range.
+    /// The gyroscope or the accelerometer was at the end of its range.
     pub clipped: u16,
-    /// The gyroscope's words stood still.
+    /// The gyroscope's reading did not change.
     pub frozen: u16,
     /// The accelerometer showed no gravity.
     pub rejected: u16,
     /// The current was at its limit.
     pub saturated: u16,
-    /// The gyroscope's words of the last step that was not at the end of its range.
+    /// The last gyroscope reading that was not at the end of the range, counts.
     pub gyro: [i16; 3],
 }
 
-/// Nothing has lasted yet.
+/// No condition has held yet.
 pub const NOTHING_COUNTED: Counters = Counters {
     wheel: 0,
     clipped: 0,
@@ -103,32 +104,33 @@ pub const NOTHING_COUNTED: Counters = Counters {
 /// The window of quiet samples so far.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
-    /// Samples in it.
+    /// Number of samples so far.
     pub count: u16,
-    /// The first of them, in units of [`FIRST_UNIT`], rounded down.
+    /// The first sample in units of [`FIRST_UNIT`], rounded down.
     pub first: [i16; 3],
-    /// Sum of the samples, each over the size of a full window.
+    /// Sum of the samples, each divided by the size of a full window: the mean once it is full.
     pub sum: [i32; 3],
 }
 
-/// No sample yet.
+/// A window without a sample.
 pub const EMPTY_WINDOW: Window = Window {
     count: 0,
     first: [0, 0, 0],
     sum: [0, 0, 0],
 };
 
-/// Largest component of a window's sum: that of a calibrated reading.
+/// Largest component of a window's sum; a calibrated reading has the same bound.
 pub const SUM_MAX: i32 = 0x2000_0000;
 
 /// Accelerometer units in one unit of a window's first reading: 2¹⁵, so that a reading within ±2²⁹ has 15 bits. At ±8 g
 /// it is a thousandth of gravity.
 pub const FIRST_UNIT: i32 = 0x8000;
 
-/// Largest count, and largest limit of one.
+/// Largest value of a counter, and largest limit of one.
 pub const COUNTED_MAX: i32 = 0xffff;
 
-/// The count of a condition after a step: one more, at most `limit`, where it holds; else none.
+/// The counter of a condition after a step: one more, at most `limit`, if the condition holds; else
+/// zero.
 #[inline]
 pub fn counted(count: u16, holds: bool, limit: i32) -> u16 {
     if holds {
@@ -138,7 +140,7 @@ pub fn counted(count: u16, holds: bool, limit: i32) -> u16 {
     }
 }
 
-/// The counts after a sample; that of the current's limit stays.
+/// The counters after a sample. The counter of the current's limit does not change here.
 #[inline]
 pub fn observed(
     counters: &Counters,
@@ -161,7 +163,7 @@ pub fn observed(
     }
 }
 
-/// The status of a controller that runs, by its counts and the word of the angle.
+/// The status of a running controller after a sample, from its counters and the word of the angle.
 #[inline]
 pub fn judged(counters: &Counters, angle: i32, limits: &Limits) -> Status {
     if angle < -limits.angle_trip || angle > limits.angle_trip {
@@ -181,7 +183,7 @@ pub fn judged(counters: &Counters, angle: i32, limits: &Limits) -> Status {
     }
 }
 
-/// Whether the motor may be driven from here: near upright, nearly at rest, and no sensor stuck.
+/// Whether the controller can be armed: near upright, nearly at rest, and no sensor at fault.
 #[inline]
 pub fn may_arm(counters: &Counters, angle: i32, rate: i32, limits: &Limits) -> bool {
     -limits.angle_arm <= angle
@@ -194,8 +196,8 @@ pub fn may_arm(counters: &Counters, angle: i32, rate: i32, limits: &Limits) -> b
         && counters.rejected == 0
 }
 
-/// The window after a sample: `up` joins it where it is quiet and agrees with the first one; a
-/// quiet sample that does not agree begins another; one that is not quiet leaves none.
+/// The window after the sample `up`. A quiet sample that agrees with the first one joins the
+/// window; a quiet one that does not agree starts a new window; any other empties the window.
 #[inline]
 pub fn gathered(window: &Window, up: [i32; 3], is_quiet: bool, limits: &Limits) -> Window {
     if !is_quiet {
