@@ -47,7 +47,12 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
         return;
     }
     let time_s = &view.experiment.log.time_s;
-    let until = (time_s[last] * 1e3).ceil() / 1e3;
+    // The means tell that it gained speed; its fastest sample near the fastest mean, until when.
+    let near = (last + 1).saturating_sub(2 * length)..(last + 1 + length).min(speed.len());
+    let top_speed = near
+        .filter(|k| speed[*k].is_finite())
+        .max_by(|a, b| speed[*a].abs().total_cmp(&speed[*b].abs()));
+    let until = (time_s[top_speed.unwrap_or(last)] * 1e3).ceil() / 1e3;
     let is_driven_to_the_end = top + 1 == means.len();
     let fix = match is_driven_to_the_end {
         true => "state the current that drove it, constants = { current = … } in A, or leave this log out".to_owned(),
