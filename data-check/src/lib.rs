@@ -25,6 +25,7 @@
 //! | `constant` | channels that never change |
 //! | `channels`, `copies`, `known` | each channel and the time stamps; logs with each other; `[known]` |
 //! | `signs` | one cause for several contradictions of signs in one log |
+//! | `lost` | samples that are missing between even times |
 //! | `coast` | a wheel that gains speed without a current |
 //! | `stated` | cures with what bench.toml says already |
 //! | `thresholds` | every number that decides a finding, with its derivation |
@@ -48,6 +49,7 @@ mod jumps;
 mod kinematics;
 mod known;
 mod law;
+mod lost;
 mod momentum;
 mod propose;
 mod regression;
@@ -94,6 +96,7 @@ pub fn check(bench: &Bench) -> Vec<Finding> {
             channels::check(view, &mut of_view);
             standstill::check(view, &mut of_view);
             jumps::check(view, &mut of_view);
+            lost::check(view, &mut of_view);
             current_sensor::check(view, &mut of_view);
             coast::check(view, &mut of_view);
         }

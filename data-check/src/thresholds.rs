@@ -256,6 +256,13 @@ pub(crate) mod channels {
     pub(crate) const JUMP_STEPS: f64 = 5.0;
     /// Size of a jump in standard deviations of the noise, and against the range of the channel (judgement: a tenth).
     pub(crate) const JUMP_NOISE: f64 = 30.0;
+    /// How many times as long as the steps beside it a step after a lost sample is: twice, less what the pace changes.
+    pub(crate) const LOST_STEP: f64 = 1.7;
+    /// Largest ratio of two of the four steps beside a lost sample. Near a turning point the pace changes by more, and
+    /// there a step tells nothing (judgement).
+    pub(crate) const LOST_ALIKE: f64 = 1.7;
+    /// Most places at which a log loses samples before another cause is likelier (judgement).
+    pub(crate) const LOST_MOST: usize = 5;
     /// See [`JUMP_NOISE`].
     pub(crate) const JUMP_SHARE: f64 = 0.1;
     /// Number of samples on either side within which a jump may be a hand's, or a lost sample's: a release or a catch takes
