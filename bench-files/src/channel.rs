@@ -81,6 +81,13 @@ impl Channel {
         self.units()[0].0
     }
 
+    /// The name of the unit whose factor to SI is `scale`, within a hundredth; `None` if `units` knows no such unit.
+    pub fn unit_with(self, scale: f64) -> Option<&'static str> {
+        let mut units = self.units().iter();
+        let found = units.find(|(_, known)| (known / scale - 1.0).abs() < 0.01);
+        found.map(|(name, _)| *name)
+    }
+
     /// The units that `units` accepts for this channel, SI first.
     pub(crate) fn units(self) -> &'static [Unit] {
         match self {

@@ -66,7 +66,7 @@ pub use hardware::{
     AngleSensor, Drive, DriveKind, Hardware, InertialSensor, Part, WheelSpeedSensor, known_parts,
 };
 pub use known::{Known, MissingKnowns};
-pub use log::{LoadReport, Log, MIN_SAMPLES, Note, UnstatedUnit};
+pub use log::{LoadReport, Log, MIN_SAMPLES, Note, Stated, UnstatedUnit};
 pub use model_file::ModelFile;
 pub use outline::{BenchOutline, NewExperiment, file_name};
 pub use own_effect::{OWN_PREFIX, OwnEffect};

@@ -172,7 +172,7 @@ impl FindingId {
                 "The body is held still before its release; `from` cuts that off."
             }
             FindingId::Hand => {
-                "The swing gains energy: a hand is on the body; cut it off with `from` and `until`."
+                "The swing gains energy, or a wheel without a current gains speed: a hand or a motor is on it; cut it off with `from` and `until`."
             }
             FindingId::SameData => {
                 "Two experiments have the same samples; one of them names the wrong `file`."

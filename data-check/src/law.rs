@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use bench_files::{Bench, Channel};
+use bench_files::{Bench, Channel, Controller};
 use plant::Kind;
 
 use crate::finding::{Finding, FindingId};
@@ -25,37 +25,9 @@ pub(crate) fn check(bench: &Bench, view: &View, settled: &mut Settled, out: &mut
         return;
     };
     sample_time(view, controller.sample_time_s, out);
-    let (Some(angle), Some(rate), Some(speed), Some(current)) = (
-        view.samples(Channel::Angle),
-        view.samples(Channel::Rate),
-        view.samples(Channel::WheelSpeed),
-        view.samples(Channel::Current),
-    ) else {
+    let Some(ratios) = ratios(view, &controller) else {
         return;
     };
-    let fit = |late: usize| -> Option<LeastSquares> {
-        let rows: Vec<([f64; 4], f64)> = (late..current.len())
-            .filter(|&k| current[k].abs() < CLIPPED * controller.current_limit_a)
-            .map(|k| (k - late, current[k]))
-            .map(|(k, u)| ([angle[k] - PI, rate[k], speed[k], 1.0], u))
-            .collect();
-        least_squares(&rows, 1.0)
-    };
-    let fits = (0..=LATEST).filter_map(fit);
-    let Some(best) = fits.max_by(|a, b| a.explained.total_cmp(&b.explained)) else {
-        return;
-    };
-    if best.explained < EXPLAINED {
-        return;
-    }
-    let ratios: Vec<Option<f64>> = (0..3)
-        .map(|k| {
-            let found = best.coefficients[k];
-            let stands_out = found.abs() > STANDARD_ERRORS * best.std[k];
-            let ratio = found / -controller.gains[k];
-            (stands_out && ratio.is_finite()).then_some(ratio)
-        })
-        .collect();
     let finding = |refused: bool, sentence: String| {
         let make = if refused {
             Finding::refusal
@@ -135,6 +107,45 @@ pub(crate) fn check(bench: &Bench, view: &View, settled: &mut Settled, out: &mut
             settled.add(view, Channel::Current);
         }
     }
+}
+
+/// The measured gains of angle, rate and wheel speed as multiples of the stated ones, as far as the log shows them.
+fn ratios(view: &View, controller: &Controller) -> Option<[Option<f64>; 3]> {
+    let (Some(angle), Some(rate), Some(speed), Some(current)) = (
+        view.samples(Channel::Angle),
+        view.samples(Channel::Rate),
+        view.samples(Channel::WheelSpeed),
+        view.samples(Channel::Current),
+    ) else {
+        return None;
+    };
+    let fit = |late: usize| -> Option<LeastSquares> {
+        let rows: Vec<([f64; 4], f64)> = (late..current.len())
+            .filter(|&k| current[k].abs() < CLIPPED * controller.current_limit_a)
+            .map(|k| (k - late, current[k]))
+            .map(|(k, u)| ([angle[k] - PI, rate[k], speed[k], 1.0], u))
+            .collect();
+        least_squares(&rows, 1.0)
+    };
+    let fits = (0..=LATEST).filter_map(fit);
+    let best = fits.max_by(|a, b| a.explained.total_cmp(&b.explained))?;
+    if best.explained < EXPLAINED {
+        return None;
+    }
+    Some([0, 1, 2].map(|k| {
+        let found = best.coefficients[k];
+        let stands_out = found.abs() > STANDARD_ERRORS * best.std[k];
+        let ratio = found / -controller.gains[k];
+        (stands_out && ratio.is_finite()).then_some(ratio)
+    }))
+}
+
+/// Whether each state has the sign against the current that the stated gains say; `None` where the log does not show it.
+pub(crate) fn signs(bench: &Bench, view: &View) -> [(Channel, Option<bool>); 3] {
+    let controller = bench.controller.filter(|_| view.kind() == Kind::Balance);
+    let ratios = controller.and_then(|controller| ratios(view, &controller));
+    let ratios = ratios.unwrap_or_default();
+    [0, 1, 2].map(|k| (NAMES[k].1, ratios[k].map(|ratio| ratio > 0.0)))
 }
 
 fn fix_of(channel: &str, factor: f64, gains: &[f64; 3], k: usize, ratio: f64) -> String {

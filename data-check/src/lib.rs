@@ -12,6 +12,7 @@
 //! | `kinematics` | the rate with the derivative of the angle; columns with each other |
 //! | `swing`, `by_itself` | a free swing with a pendulum: period, amplitude; standstill, energy |
 //! | `wheel` | the wheel with its current, with other logs, with what motors can do |
+//! | `spin_ups` | the spin-ups with each other, and all of them with what a bench can be |
 //! | `momentum`, `body` | a body that is free with gravity, wheel and current |
 //! | `spin_up_measure` | a free wheel with the wheel of the spin-ups |
 //! | `standstill`, `jumps` | a channel that stands still beside one that moves; jumps that no motion makes |
@@ -23,6 +24,10 @@
 //! | `propose` | (for files without a bench.toml) proposes columns, units, signs, kinds and windows |
 //! | `constant` | channels that never change |
 //! | `channels`, `copies`, `known` | each channel and the time stamps; logs with each other; `[known]` |
+//! | `signs` | one cause for several contradictions of signs in one log |
+//! | `lost` | samples that are missing between even times |
+//! | `coast` | a wheel that gains speed without a current |
+//! | `stated` | cures with what bench.toml says already |
 //! | `thresholds` | every number that decides a finding, with its derivation |
 //!
 //! A finding refuses the data only if they would give a wrong model and have no other explanation: a factor
@@ -34,6 +39,7 @@
 mod body;
 mod by_itself;
 mod channels;
+mod coast;
 mod constant;
 mod copies;
 mod current_sensor;
@@ -43,13 +49,17 @@ mod jumps;
 mod kinematics;
 mod known;
 mod law;
+mod lost;
 mod momentum;
 mod propose;
 mod regression;
 mod sawtooth;
+mod signs;
 mod slips;
 mod spin_up_measure;
+mod spin_ups;
 mod standstill;
+mod stated;
 mod swing;
 mod thresholds;
 mod units;
@@ -86,7 +96,9 @@ pub fn check(bench: &Bench) -> Vec<Finding> {
             channels::check(view, &mut of_view);
             standstill::check(view, &mut of_view);
             jumps::check(view, &mut of_view);
+            lost::check(view, &mut of_view);
             current_sensor::check(view, &mut of_view);
+            coast::check(view, &mut of_view);
         }
         held::check(view, &mut of_view);
         of_view
@@ -131,9 +143,13 @@ pub fn check(bench: &Bench) -> Vec<Finding> {
     }
     found.append(&mut of_wheel);
     for view in &views {
+        signs::one_cause(bench, view, &answers, &mut found);
+    }
+    for view in &views {
         units::check(view, &settled, &mut found);
     }
     copies::check(&views, &mut found);
+    stated::mend(&views, &mut found);
     let mut found = accepted(bench, found);
     let place = |finding: &Finding| views.iter().position(|view| is_about(finding, view));
     found.sort_by_key(|finding| (finding.severity, place(finding)));

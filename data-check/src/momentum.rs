@@ -10,6 +10,7 @@ use crate::body::{Body, Cause};
 use crate::finding::{Finding, FindingId, Severity};
 use crate::regression::LeastSquares;
 use crate::slips::{DEGREES, RPM, short, slip};
+use crate::spin_ups;
 use crate::swing;
 use crate::thresholds::bench::SHARE_OF_INERTIA;
 use crate::thresholds::fit::{EXPLAINED, STANDARD_ERRORS};
@@ -207,7 +208,14 @@ fn exchange(
                 return;
             }
             Some(factor) => {
-                out.push(against_the_bench(view, share / expected, 1.0 / factor));
+                let finding = against_the_bench(view, share / expected, 1.0 / factor);
+                let (or_constant, or_mend) =
+                    spin_ups::ten_times(share / expected, facts.torque_constant);
+                out.push(Finding {
+                    sentence: finding.sentence.clone() + &or_constant,
+                    fix: finding.fix.clone() + &or_mend,
+                    ..finding
+                });
                 return;
             }
             None if (share / expected).ln().abs() < AGREE => {

@@ -100,6 +100,19 @@ pub(crate) mod momentum {
     pub(crate) const AGREE: f64 = super::slips::NEAR;
 }
 
+/// A wheel without a current (`coast`).
+pub(crate) mod coast {
+    /// Blocks of a log whose means are compared (judgement: few enough that a mean has a fraction of a sample's noise,
+    /// enough that a short push is not averaged away).
+    pub(crate) const BLOCKS: usize = 50;
+    /// Least speed gained, as a share of the largest. A wheel out of balance on a body that is not clamped hard swings
+    /// by a few per cent of its speed (judgement; nothing of the recordings of other labs gains so much).
+    pub(crate) const GAIN_SHARE: f64 = 0.1;
+    /// Least speed gained, in standard deviations of a sample's noise: a mean of two samples or more differs from
+    /// another by eight of them once in 10¹⁵ times.
+    pub(crate) const GAIN_NOISE: f64 = 8.0;
+}
+
 /// A free swing (`swing`).
 pub(crate) mod swing {
     /// Relative change of the period over the log above which its cause is searched for. Presliding and springs
@@ -243,6 +256,13 @@ pub(crate) mod channels {
     pub(crate) const JUMP_STEPS: f64 = 5.0;
     /// Size of a jump in standard deviations of the noise, and against the range of the channel (judgement: a tenth).
     pub(crate) const JUMP_NOISE: f64 = 30.0;
+    /// How many times as long as the steps beside it a step after a lost sample is: twice, less what the pace changes.
+    pub(crate) const LOST_STEP: f64 = 1.7;
+    /// Largest ratio of two of the four steps beside a lost sample. Near a turning point the pace changes by more, and
+    /// there a step tells nothing (judgement).
+    pub(crate) const LOST_ALIKE: f64 = 1.7;
+    /// Most places at which a log loses samples before another cause is likelier (judgement).
+    pub(crate) const LOST_MOST: usize = 5;
     /// See [`JUMP_NOISE`].
     pub(crate) const JUMP_SHARE: f64 = 0.1;
     /// Number of samples on either side within which a jump may be a hand's, or a lost sample's: a release or a catch takes

@@ -6,13 +6,10 @@ use plant::Kind;
 
 use crate::finding::{Finding, FindingId};
 use crate::regression::{LeastSquares, least_squares};
-use crate::slips::{DEGREES, RPM, short, slip};
-use crate::thresholds::bench::SHARE_OF_INERTIA;
+use crate::slips::short;
+use crate::spin_ups;
 use crate::thresholds::fit::{EXPLAINED, STANDARD_ERRORS};
-use crate::thresholds::wheel::{
-    ALIKE, BELOW_ZERO, BENCH_CURRENT_A, BENCH_POWER_W, FASTEST_RAD_S, NO_EFFECT, OVER_LIMIT,
-    SAFE_VOLTAGE_V, USUAL_SHARE, USUAL_VOLTAGE_V,
-};
+use crate::thresholds::wheel::{BELOW_ZERO, BENCH_CURRENT_A, BENCH_POWER_W, OVER_LIMIT};
 use crate::view::{Facts, View, largest, median, range};
 
 /// The response of a wheel to its current.
@@ -60,6 +57,13 @@ pub(crate) fn answers<'v>(views: &[&'v View<'v>]) -> Answers<'v> {
         .collect()
 }
 
+/// Whether the wheel speeds up with its current; `None` where the log does not show it for sure.
+pub(crate) fn agrees(view: &View, answers: &Answers) -> Option<bool> {
+    let mut answers = answers.iter();
+    let (_, answer, fit) = answers.find(|(of, _, _)| of.name() == view.name())?;
+    (fit.explained >= EXPLAINED).then_some(answer.per_ampere > 0.0)
+}
+
 pub(crate) fn check(
     bench: &Bench,
     views: &[&View],
@@ -76,15 +80,15 @@ pub(crate) fn check(
         sign(view, answer, fit, is_unsigned, out);
     }
     // Only spin-ups are free of the body's motion.
-    let spin_ups: Vec<(&View, f64)> = answers
+    let of_spin_ups: Vec<(&View, f64)> = answers
         .iter()
         .filter(|(view, _, _)| view.kind() == Kind::SpinUp)
         .map(|(view, answer, _)| (*view, answer.per_ampere.abs()))
         .collect();
     let before = out.len();
-    odd_one_out(&spin_ups, out);
+    spin_ups::odd_one_out(&of_spin_ups, out);
     if out.len() == before {
-        all_together(bench, views, &spin_ups, facts, out);
+        spin_ups::all_together(bench, views, &of_spin_ups, facts, out);
     }
     for view in views {
         size_of_current(bench, view, facts, out);
@@ -134,271 +138,6 @@ fn is_backwards(view: &View) -> bool {
 fn is_never_negative(view: &View) -> bool {
     let speed = view.samples(Channel::WheelSpeed).unwrap_or_default();
     range(speed).is_some_and(|(low, _)| low >= -BELOW_ZERO * view.noise(Output::WheelSpeed))
-}
-
-/// Checks that all spin-ups of one wheel have the same acceleration per ampere.
-fn odd_one_out(spin_ups: &[(&View, f64)], out: &mut Vec<Finding>) {
-    if spin_ups.len() < 2 {
-        return;
-    }
-    let Some(usual) = median(spin_ups.iter().map(|(_, answer)| *answer).collect()) else {
-        return;
-    };
-    let agree = |answer: f64| (answer / usual).ln().abs() < ALIKE;
-    let agreeing = spin_ups.iter().filter(|(_, answer)| agree(*answer)).count();
-    for (view, answer) in spin_ups.iter().filter(|(_, answer)| !agree(*answer)) {
-        let whom = if agreeing > 1 {
-            "the other spin-ups"
-        } else {
-            "another spin-up"
-        };
-        let stated = format!(
-            "the wheel accelerates {} times as much per ampere as in {whom}",
-            short(answer / usual)
-        );
-        if view.counts_lines() {
-            out.push(
-                Finding::refusal(
-                    FindingId::TimeFactor,
-                    format!(
-                        "{stated}: the time counts the lines, or is in another unit than seconds"
-                    ),
-                )
-                .in_experiment(view.name())
-                .with_channel("time")
-                .with_fix(
-                    "time_step = … (seconds from line to line) in the place of the time's column",
-                ),
-            );
-            continue;
-        }
-        let Some(factor) = slip(answer / usual) else {
-            if (answer / usual).ln().abs() > NO_EFFECT.ln() {
-                out.push(
-                    Finding::warning(
-                        FindingId::WheelSpeedFactor,
-                        format!("{stated}, and no unit explains that factor"),
-                    )
-                    .in_experiment(view.name())
-                    .with_channel("wheel_speed")
-                    .with_fix("compare time, wheel_speed and current of this file with those of the others"),
-                );
-            }
-            continue;
-        };
-        let (channel, likely, fix) = reading(factor);
-        out.push(
-            Finding::refusal(FindingId::WheelSpeedFactor, format!("{stated}: {likely}"))
-                .in_experiment(view.name())
-                .with_channel(channel)
-                .with_factor(too_large(channel, factor))
-                .with_fix(fix),
-        );
-    }
-}
-
-/// The factor by which the samples of the channel are too large if the acceleration per ampere is too large by `factor`.
-fn too_large(channel: &str, factor: f64) -> f64 {
-    if channel == "current" {
-        1.0 / factor
-    } else {
-        factor
-    }
-}
-
-/// The cause of a factor of the acceleration per ampere: channel, sentence, remedy.
-fn reading(factor: f64) -> (&'static str, String, String) {
-    let near = |size: f64| (factor / size).ln().abs() < 0.01;
-    if near(RPM) {
-        (
-            "wheel_speed",
-            format!("the speed is in rpm ({} times too large)", short(factor)),
-            "units = { wheel_speed = \"rpm\" }".to_owned(),
-        )
-    } else if near(DEGREES) {
-        (
-            "wheel_speed",
-            format!("the speed is in deg/s ({} times too large)", short(factor)),
-            "units = { wheel_speed = \"deg/s\" }".to_owned(),
-        )
-    } else if near(1e-3) {
-        (
-            "current",
-            "the current is in mA, or the time in ms (1000 times too large)".to_owned(),
-            "units = { current = \"mA\" } or units = { time = \"ms\" }".to_owned(),
-        )
-    } else if near(1e3) {
-        (
-            "current",
-            "the current is in A where mA are stated, or the speed in mrad/s".to_owned(),
-            "units = { current = \"A\" } or units = { wheel_speed = \"mrad/s\" }".to_owned(),
-        )
-    } else {
-        (
-            "wheel_speed",
-            format!("it has another unit (factor {})", short(factor)),
-            "units = { wheel_speed = … }".to_owned(),
-        )
-    }
-}
-
-/// Checks the wheel inertia from all spin-ups against its possible range.
-fn all_together(
-    bench: &Bench,
-    views: &[&View],
-    spin_ups: &[(&View, f64)],
-    facts: &Facts,
-    out: &mut Vec<Finding>,
-) {
-    let about_wheel = |finding: Finding, factor: f64| {
-        let (channel, _, fix) = reading(factor);
-        finding
-            .with_channel(channel)
-            .with_factor(too_large(channel, factor))
-            .with_fix(fix)
-    };
-    let usual = median(spin_ups.iter().map(|(_, answer)| *answer).collect());
-    let inertia = match (facts.torque_constant, usual) {
-        (Some(torque_constant), Some(usual)) => Some(torque_constant / usual),
-        _ => None,
-    };
-    if let (Some(found), Some(known)) = (inertia, bench.known.wheel_inertia)
-        && let Some(factor) = slip(known / found)
-    {
-        let (_, likely, _) = reading(factor);
-        out.push(about_wheel(
-            Finding::refusal(
-                FindingId::WheelSpeedFactor,
-                format!(
-                    "the spin-ups give a wheel inertia of {} kg m2, [known] says {}: {likely}",
-                    short(found),
-                    short(known)
-                ),
-            ),
-            factor,
-        ));
-        return;
-    }
-    let fastest = views
-        .iter()
-        .copied()
-        .filter_map(|view| Some((view, largest(view.samples(Channel::WheelSpeed)?))))
-        .max_by(|a, b| a.1.total_cmp(&b.1));
-    let share = inertia.and_then(|inertia| Some(inertia / facts.total_inertia()?));
-    // The wheel has less than half of the inertia that masses and lengths leave for body and wheel.
-    let room = match (facts.total_inertia(), facts.steiner_kg_m2) {
-        (Some(total), Some(steiner)) if total > steiner => Some(total - steiner),
-        (total, _) => total,
-    };
-    // The unit of the speed with which the wheel has a typical share.
-    let by_share = |readings: [f64; 2]| match share {
-        Some(share) => readings
-            .into_iter()
-            .min_by(|a, b| {
-                let off = |factor: &f64| (share * factor / USUAL_SHARE).ln().abs();
-                off(a).total_cmp(&off(b))
-            })
-            .unwrap_or(readings[0]),
-        None => readings[0],
-    };
-    if let (Some((view, speed)), Some(torque_constant)) = (fastest, facts.torque_constant)
-        && torque_constant * speed > SAFE_VOLTAGE_V
-    {
-        let factor = by_share([RPM, DEGREES]);
-        let (_, likely, _) = reading(factor);
-        out.push(
-            about_wheel(
-                Finding::refusal(
-                    FindingId::WheelSpeedFactor,
-                    format!(
-                        "at {} rad/s the motor would generate {} V, more than any bench supplies: {likely}",
-                        short(speed),
-                        short(torque_constant * speed)
-                    ),
-                ),
-                factor,
-            )
-            .in_experiment(view.name()),
-        );
-        return;
-    }
-    if let (Some(inertia), Some(room)) = (inertia, room)
-        && inertia > room
-    {
-        let sentence = format!(
-            "the spin-ups give a wheel inertia of {} kg m2, but the swings leave {} for it",
-            short(inertia),
-            short(room)
-        );
-        // No part can have more inertia than the whole; the inertia of the other parts is less certain.
-        let make = if share.is_some_and(|share| share > 1.0) {
-            Finding::refusal
-        } else {
-            Finding::warning
-        };
-        out.push(if by_share([1.0 / RPM, 1e-3]) == 1e-3 {
-            let likely = "the current is in mA, or the time of the spin-ups in ms";
-            make(FindingId::CurrentFactor, format!("{sentence}: {likely}"))
-                .with_channel("current")
-                .with_factor(1e3)
-                .with_fix("units = { current = \"mA\" } or units = { time = \"ms\" }")
-        } else {
-            let likely =
-                "is the speed in rad/s where rpm are stated, or torque_constant too large?";
-            make(FindingId::WheelSpeedFactor, format!("{sentence}: {likely}"))
-                .with_channel("wheel_speed")
-                .with_factor(1.0 / RPM)
-                .with_fix("units = { wheel_speed = \"rad/s\" }")
-        });
-        return;
-    }
-    if let (Some(share), Some(inertia)) = (share, inertia)
-        && !SHARE_OF_INERTIA.contains(&share)
-    {
-        let factor = if share < SHARE_OF_INERTIA.start {
-            by_share([RPM, DEGREES])
-        } else {
-            1.0 / RPM
-        };
-        out.push(about_wheel(
-            Finding::warning(
-                FindingId::WheelSpeedFactor,
-                format!(
-                    "the spin-ups say a wheel inertia of {} kg m2, {} % of the whole pendulum's: that is no \
-                     reaction wheel; is the speed in another unit?",
-                    short(inertia),
-                    short(100.0 * share)
-                ),
-            ),
-            factor,
-        ));
-        return;
-    }
-    let Some((view, speed)) = fastest else { return };
-    let voltage = facts
-        .torque_constant
-        .map_or(0.0, |constant| constant * speed);
-    if speed > FASTEST_RAD_S || voltage > USUAL_VOLTAGE_V {
-        let generated = match voltage > 0.0 {
-            true => format!(" and generates {} V", short(voltage)),
-            false => String::new(),
-        };
-        out.push(
-            about_wheel(
-                Finding::warning(
-                    FindingId::WheelSpeedFactor,
-                    format!(
-                        "the wheel turns at {} rad/s ({} rpm){generated}, more than usual motors do: is the \
-                         speed in rpm?",
-                        short(speed),
-                        short(speed * RPM)
-                    ),
-                ),
-                RPM,
-            )
-            .in_experiment(view.name()),
-        );
-    }
 }
 
 /// Checks for a current that no bench motor takes.

@@ -66,6 +66,30 @@ pub enum Problem {
         /// The known keys of that section.
         names: Names,
     },
+    /// A key that another kind of the same part has.
+    #[error(
+        "\"{key}\" belongs to kind = \"{belongs_to}\", and here {section} is of kind = \"{kind}\""
+    )]
+    KeyOfOtherKind {
+        /// The key.
+        key: String,
+        /// The section with the key.
+        section: String,
+        /// The kind that has the key.
+        belongs_to: &'static str,
+        /// The kind that is stated.
+        kind: &'static str,
+    },
+    /// A part whose data sheet is not known here.
+    #[error("no data for the part \"{name}\"; leave part out and give {instead}; {}", .names.advice(.name))]
+    NoDataForPart {
+        /// The part.
+        name: String,
+        /// The keys that the data would have given.
+        instead: &'static str,
+        /// The parts that are known in this place.
+        names: Names,
+    },
     /// A required key is missing.
     #[error("{section} lacks \"{key}\"; it needs for example {example}")]
     MissingKey {

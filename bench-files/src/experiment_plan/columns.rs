@@ -6,7 +6,7 @@ use super::{ExperimentPlan, find};
 use crate::channel::Channel;
 use crate::csv_table::OpenTable;
 use crate::error::{Error, Names, Problem};
-use crate::log::{ColumnUse, Note, UnstatedUnit};
+use crate::log::{ColumnUse, Note, Stated, UnstatedUnit};
 use crate::toml_section::Section;
 use crate::toml_source::{Located, TomlSource};
 use crate::units_in_text::unit_of_name;
@@ -71,6 +71,22 @@ impl ExperimentPlan {
                     .filter(|unit| column.channel.units().iter().any(|(name, _)| name == unit)),
             })
             .collect()
+    }
+
+    /// What bench.toml states about the numbers of the columns.
+    pub(super) fn stated(&self, uses: &[ColumnUse]) -> Vec<Stated> {
+        let of = |column: &ColumnUse| {
+            let channel = column.channel;
+            let value = |list| find(list, channel).map(|one: &Located<f64>| one.value);
+            Stated {
+                channel,
+                unit: value(&self.units).and_then(|scale| channel.unit_with(scale)),
+                to_si: column.stated_unit.unwrap_or(1.0),
+                scale: value(&self.scales),
+                sign: value(&self.signs),
+            }
+        };
+        uses.iter().map(of).collect()
     }
 
     /// The column of each channel. All errors in this mapping are reported here.

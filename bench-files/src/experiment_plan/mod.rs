@@ -154,6 +154,7 @@ impl ExperimentPlan {
         let uses = self.column_uses(source, section, &table)?;
         let of_file = self.units_of_file(&table, &uses);
         let unstated = self.unstated_units(&uses);
+        let stated = self.stated(&uses);
         let log::SamplesOfLog {
             log: mut samples,
             beside,
@@ -164,6 +165,7 @@ impl ExperimentPlan {
         let unstated = unstated.into_iter();
         let unstated = unstated.filter(|one| !in_cells.contains(&one.channel));
         report.unstated = unstated.collect();
+        report.stated = stated;
 
         for (channel, sign) in &self.signs {
             if sign.value.abs() != 1.0 {

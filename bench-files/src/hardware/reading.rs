@@ -83,9 +83,15 @@ fn preset(table: &Section, roles: &[Role]) -> Result<Option<&'static Part>, Erro
         Some(preset) => Ok(Some(preset)),
         None => Err(table.error_at(
             "part",
-            Problem::UnknownName {
-                what: "part with a preset here".to_string(),
+            Problem::NoDataForPart {
                 name: part.value,
+                instead: match roles {
+                    [Role::Encoder] => "counts_per_turn and bits",
+                    [Role::CurrentDrive | Role::VoltageDrive, ..] => {
+                        "kind, bits, duty_zero, duty_low, duty_high and amperes_per_count"
+                    }
+                    _ => "scale, bits, clip and rate",
+                },
                 names: Names::new(names(roles)),
             },
         )),
@@ -251,12 +257,52 @@ fn determinant(m: &Rotation) -> f64 {
         + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
 }
 
+/// The kinds of wheel speed sensors.
+const WHEEL_SPEED_KINDS: [&str; 3] = ["converter", "encoder", "driver"];
+/// The kinds of angle sensors.
+const ANGLE_KINDS: [&str; 2] = ["inertial", "encoder"];
+/// The kinds of drives.
+const DRIVE_KINDS: [&str; 2] = ["current", "voltage"];
+
+/// Refuses keys that this kind of a part does not have, and says which kind has them.
+fn allow_only_of(
+    table: &Section,
+    part: &str,
+    kind: &'static str,
+    kinds: &[&'static str],
+) -> Result<(), Error> {
+    let keys_of = |kind: &str| keys::names(keys::BENCH, &format!("{part}, {kind}"));
+    let own = keys_of(kind);
+    for key in table.keys() {
+        if own.contains(&key.value.as_str()) {
+            continue;
+        }
+        let mut others = kinds.iter().copied();
+        if let Some(other) = others.find(|other| keys_of(other).contains(&key.value.as_str())) {
+            return Err(table.error_at(
+                &key.value,
+                Problem::KeyOfOtherKind {
+                    key: key.value.clone(),
+                    section: format!("[{part}]"),
+                    belongs_to: other,
+                    kind,
+                },
+            ));
+        }
+    }
+    table.allow_only(&own)
+}
+
 fn wheel_speed(table: &Section) -> Result<WheelSpeedSensor, Error> {
-    let kinds = ["converter", "encoder", "driver"];
     let kind = table.required_text("kind", "kind = \"converter\" (or encoder, driver)")?;
     match kind.value.as_str() {
         "converter" => {
-            table.allow_only(&keys::names(keys::BENCH, "hardware.wheel_speed, converter"))?;
+            allow_only_of(
+                table,
+                "hardware.wheel_speed",
+                "converter",
+                &WHEEL_SPEED_KINDS,
+            )?;
             let count = |key: &str| -> Result<u16, Error> {
                 match whole(table, key, 0, 65_535)? {
                     Some(count) => Ok(count as u16),
@@ -287,7 +333,7 @@ fn wheel_speed(table: &Section) -> Result<WheelSpeedSensor, Error> {
             })
         }
         "encoder" => {
-            table.allow_only(&keys::names(keys::BENCH, "hardware.wheel_speed, encoder"))?;
+            allow_only_of(table, "hardware.wheel_speed", "encoder", &WHEEL_SPEED_KINDS)?;
             let (counts_per_turn, bits) = encoder(table)?;
             Ok(WheelSpeedSensor::Encoder {
                 counts_per_turn,
@@ -302,7 +348,7 @@ fn wheel_speed(table: &Section) -> Result<WheelSpeedSensor, Error> {
             })
         }
         "driver" => {
-            table.allow_only(&keys::names(keys::BENCH, "hardware.wheel_speed, driver"))?;
+            allow_only_of(table, "hardware.wheel_speed", "driver", &WHEEL_SPEED_KINDS)?;
             let scale = table.required_number("scale")?;
             if scale == 0.0 {
                 return Err(out_of_range(table, "scale", 0.0, "other than zero"));
@@ -312,7 +358,7 @@ fn wheel_speed(table: &Section) -> Result<WheelSpeedSensor, Error> {
                 largest_rad_s: largest(table)?,
             })
         }
-        _ => Err(unknown(table, "kind", &kinds)?),
+        _ => Err(unknown(table, "kind", &WHEEL_SPEED_KINDS)?),
     }
 }
 
@@ -326,11 +372,11 @@ fn angle(table: &Section) -> Result<AngleSensor, Error> {
     let kind = table.required_text("kind", "kind = \"inertial\" (or encoder)")?;
     match kind.value.as_str() {
         "inertial" => {
-            table.allow_only(&keys::names(keys::BENCH, "hardware.angle, inertial"))?;
+            allow_only_of(table, "hardware.angle", "inertial", &ANGLE_KINDS)?;
             Ok(AngleSensor::Inertial)
         }
         "encoder" => {
-            table.allow_only(&keys::names(keys::BENCH, "hardware.angle, encoder"))?;
+            allow_only_of(table, "hardware.angle", "encoder", &ANGLE_KINDS)?;
             let (counts_per_turn, bits) = encoder(table)?;
             let largest = (1_i64 << bits) - 1;
             match whole(table, "zero", 0, largest)? {
@@ -342,7 +388,7 @@ fn angle(table: &Section) -> Result<AngleSensor, Error> {
                 None => Err(table.error(table.missing("zero", "zero = 2048 (the count upright)"))),
             }
         }
-        _ => Err(unknown(table, "kind", &["inertial", "encoder"])?),
+        _ => Err(unknown(table, "kind", &ANGLE_KINDS)?),
     }
 }
 
@@ -389,11 +435,11 @@ fn drive(table: &Section) -> Result<Drive, Error> {
     };
     let kind = match kind.as_str() {
         "current" => {
-            table.allow_only(&keys::names(keys::BENCH, "hardware.drive, current"))?;
+            allow_only_of(table, "hardware.drive", "current", &DRIVE_KINDS)?;
             DriveKind::Current
         }
         "voltage" => {
-            table.allow_only(&keys::names(keys::BENCH, "hardware.drive, voltage"))?;
+            allow_only_of(table, "hardware.drive", "voltage", &DRIVE_KINDS)?;
             DriveKind::Voltage {
                 supply_v: table
                     .required_positive_number("supply_voltage", "supply_voltage = 12.0 (V)")?,
@@ -403,7 +449,7 @@ fn drive(table: &Section) -> Result<Drive, Error> {
                 )?,
             }
         }
-        _ => return Err(unknown(table, "kind", &["current", "voltage"])?),
+        _ => return Err(unknown(table, "kind", &DRIVE_KINDS)?),
     };
     let mut drive = Drive {
         kind,

@@ -68,35 +68,14 @@ const ACCELEROMETER_KEYS: [Key; 9] = joined(
     )],
 );
 
-/// Keys that every drive has.
-const DRIVE: [Key; 7] = [
-    key(
-        "kind",
-        "",
-        "from `part`",
-        "kind = \"current\"",
-        "what the duty sets: \"current\" or \"voltage\"",
-    ),
-    key(
-        "part",
-        "",
-        "none",
-        "part = \"ESCON 24/2\"",
-        "a drive whose data sheet is known here",
-    ),
+/// The width of the timer, and the duties that it may be given.
+const DUTY: [Key; 3] = [
     key(
         "bits",
         "",
         "from `part`, else 16",
         "bits = 12",
         "width of the timer that makes the duty",
-    ),
-    key(
-        "duty_zero",
-        "counts",
-        "from `part`",
-        "duty_zero = 32768",
-        "the duty of no current",
     ),
     key(
         "duty_low",
@@ -112,19 +91,50 @@ const DRIVE: [Key; 7] = [
         "duty_high = 58982",
         "the largest duty that may be sent",
     ),
-    key(
-        "amperes_per_count",
-        "A",
-        "from `[calibration]`",
-        "amperes_per_count = 8.39246e-5",
-        "current a count (voltage drive: V a count); negative where the PWM is inverted",
-    ),
 ];
 
-/// Keys of a voltage drive: those of every drive, and what turns volts into amperes.
-const VOLTAGE_DRIVE: [Key; 9] = joined(
-    &DRIVE,
+/// Keys of a current drive: those of the duty, and what it does to the current.
+const CURRENT_DRIVE: [Key; 7] = joined(
     &[
+        drive_kind("kind = \"current\""),
+        drive_part("part = \"ESCON 24/2\""),
+        key(
+            "duty_zero",
+            "counts",
+            "from `part`",
+            "duty_zero = 32768",
+            "the duty of no current",
+        ),
+        key(
+            "amperes_per_count",
+            "A",
+            "from `[calibration]`",
+            "amperes_per_count = 8.39246e-5",
+            "current a count; negative where the PWM is inverted",
+        ),
+    ],
+    &DUTY,
+);
+
+/// Keys of a voltage drive: those of the duty, what it does to the voltage, and what turns volts into amperes.
+const VOLTAGE_DRIVE: [Key; 9] = joined(
+    &[
+        drive_kind("kind = \"voltage\""),
+        drive_part("part = \"SimpleFOC voltage\""),
+        key(
+            "duty_zero",
+            "counts",
+            "from `part`",
+            "duty_zero = 32768",
+            "the duty of 0 V",
+        ),
+        key(
+            "amperes_per_count",
+            "V",
+            "from `[calibration]`",
+            "amperes_per_count = 4.6e-4",
+            "volts a count, in spite of its name; negative where the PWM is inverted",
+        ),
         key(
             "supply_voltage",
             "V",
@@ -140,7 +150,30 @@ const VOLTAGE_DRIVE: [Key; 9] = joined(
             "R in V = R u + τ φ̇",
         ),
     ],
+    &DUTY,
 );
+
+/// Which kind of drive this is.
+const fn drive_kind(example: &'static str) -> Key {
+    key(
+        "kind",
+        "",
+        "from `part`",
+        example,
+        "what the duty sets: \"current\" or \"voltage\"",
+    )
+}
+
+/// Which drive this is.
+const fn drive_part(example: &'static str) -> Key {
+    key(
+        "part",
+        "",
+        "none",
+        example,
+        "a drive whose data sheet is known here",
+    )
+}
 
 /// What every encoder states after its kind: which part it is, and how it counts.
 const ENCODER: [Key; 3] = [
@@ -375,7 +408,7 @@ pub(super) const DRIVE_CURRENT: KeySection = KeySection {
     name: "hardware.drive, current",
     heading: "[hardware.drive]  kind = \"current\"",
     meaning: "A drive that closes the current loop itself.",
-    keys: &DRIVE,
+    keys: &CURRENT_DRIVE,
 };
 
 /// `[hardware.drive]` of kind "voltage".

@@ -8,7 +8,7 @@ mod reading;
 mod samples;
 
 pub(crate) use columns::ColumnUse;
-pub use note::{LoadReport, Note, UnstatedUnit};
+pub use note::{LoadReport, Note, Stated, UnstatedUnit};
 pub use reading::MIN_SAMPLES;
 pub(crate) use reading::{SamplesOfLog, Window, read};
 pub use samples::Log;

@@ -145,12 +145,31 @@ fn rounded(time_s: f64) -> f64 {
 /// The report on the reading of a log.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadReport {
+    /// What bench.toml states about the numbers of the columns that are used.
+    pub stated: Vec<Stated>,
     /// Samples in the file.
     pub rows_in_file: usize,
     /// Notes for the user.
     pub notes: Vec<Note>,
     /// The columns that were taken for SI because nothing states their unit.
     pub unstated: Vec<UnstatedUnit>,
+}
+
+/// What bench.toml states about the numbers of a column that is used. A cure that names one of these keys must know what
+/// the key says already.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stated {
+    /// The channel.
+    pub channel: Channel,
+    /// The unit under `units`.
+    pub unit: Option<&'static str>,
+    /// The factor to SI of the unit in which the column is read: that of `units`, else that of the file's own line of
+    /// units, else 1.
+    pub to_si: f64,
+    /// The factor under `scale`.
+    pub scale: Option<f64>,
+    /// The factor under `sign`.
+    pub sign: Option<f64>,
 }
 
 /// A column that is taken for SI: neither bench.toml nor the file's line of units nor its cells state a unit, and its

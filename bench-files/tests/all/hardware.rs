@@ -140,7 +140,7 @@ fn slips_are_refused_with_their_place() {
         ("[hardware.drive]\nkind = \"voltage\"\n", "supply_voltage"),
         (
             "[hardware.drive]\nkind = \"current\"\nsupply_voltage = 12\n",
-            "unknown key",
+            "belongs to kind = \"voltage\"",
         ),
         ("[hardwear]\n", "hardware"),
     ];
@@ -198,4 +198,44 @@ fn a_model_without_parameters_is_read() {
     assert!(read.parameters.is_empty());
     let error = read.parameter_vector().expect_err("no parameters");
     assert!(matches!(error.problem(), Problem::MissingParameter { .. }));
+}
+
+/// A key of another kind is no unknown key, and a part without data needs no preset.
+#[test]
+fn keys_of_other_kinds_and_unknown_parts_say_what_to_do() {
+    for (text, parts) in [
+        (
+            "[hardware.drive]\nkind = \"current\"\nsupply_voltage = 12.0\n",
+            &["belongs to kind = \"voltage\"", "kind = \"current\""][..],
+        ),
+        (
+            "[hardware.wheel_speed]\nkind = \"encoder\"\ncounts_per_turn = 4096\nwindow = 8\nslope = 0.4\n",
+            &["belongs to kind = \"converter\""],
+        ),
+        (
+            "[hardware.angle]\nkind = \"inertial\"\nzero = 5\n",
+            &["belongs to kind = \"encoder\""],
+        ),
+        (
+            "[hardware.angle]\nkind = \"encoder\"\npart = \"AS5048A\"\nzero = 5\n",
+            &[
+                "no data for the part \"AS5048A\"",
+                "leave part out and give counts_per_turn and bits",
+                "AS5600",
+            ],
+        ),
+        (
+            "[hardware.drive]\npart = \"ODrive\"\n",
+            &["leave part out and give kind, bits"],
+        ),
+        (
+            "[hardware.drive]\nkind = \"current\"\nnonsense = 1\n",
+            &["unknown key \"nonsense\""],
+        ),
+    ] {
+        let message = read(text).expect_err("a wrong entry").to_string();
+        for part in parts {
+            assert!(message.contains(part), "{text}: {message}");
+        }
+    }
 }

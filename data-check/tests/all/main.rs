@@ -2,6 +2,7 @@
 
 mod columns;
 mod corrections;
+mod cures;
 mod hostile;
 mod kinds;
 mod known_faults;

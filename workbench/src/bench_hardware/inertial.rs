@@ -234,7 +234,8 @@ impl Work<'_> {
                     "the sensor's place on the body",
                     "its axes are the body's, z along the pivot axis",
                     "axes = [\"x\", \"y\", \"z\"] under [hardware.gyroscope] and \
-                     [hardware.accelerometer], or flywheel calibrate with a swing",
+                     [hardware.accelerometer], or flywheel calibrate with a swing; or [hardware.angle] with kind = \
+                     \"encoder\" where an encoder at the pivot shows the angle",
                 )
                 .then(|| {
                     let own = Matrix3::identity();

@@ -126,7 +126,8 @@ impl Work<'_> {
             _ => None,
         };
         let what = "[hardware.wheel_speed]";
-        let example = "kind = \"converter\" with slope, offset, low, high";
+        let example = "kind = \"converter\" with slope, offset, low, high; or kind = \"encoder\" with counts_per_turn, \
+                       bits, window; or kind = \"driver\" with scale";
         let stated_line = stated.and_then(|(line, _, _)| line);
         let line = match (calibrated, stated_line) {
             (Some(found), stated) => {
