@@ -33,8 +33,8 @@ pub struct BringUpRecordings {
     pub tilted: RawRecording,
     /// The wheel turned by hand in the positive sense.
     pub wheel_spun: RawRecording,
-    /// A small positive current, the body held.
-    pub current_step: RawRecording,
+    /// A small positive current, the body held; `None` if it is not recorded yet.
+    pub current_step: Option<RawRecording>,
 }
 
 /// Raw counts over time, all of one length.
@@ -106,7 +106,10 @@ impl BringUpRecordings {
             hanging: one("hanging", "hanging = \"hanging.csv\"")?,
             tilted: one("tilted", "tilted = \"tilted.csv\"")?,
             wheel_spun: one("wheel_spun", "wheel_spun = \"spun.csv\"")?,
-            current_step: one("current_step", "current_step = \"step.csv\"")?,
+            current_step: match section.keys().iter().any(|key| key.value == "current_step") {
+                true => Some(one("current_step", "current_step = \"step.csv\"")?),
+                false => None,
+            },
             hardware,
             folder: folder.clone(),
         })

@@ -226,12 +226,13 @@ pub struct MotorSigns {
     pub drive: Option<f64>,
 }
 
-/// Signs of the wheel's sensor and of the drive.
+/// Signs of the wheel's sensor and of the drive. Without the recording of a step of the current, the sign of the drive stays
+/// open.
 pub fn motor_signs(
     word: WheelWord,
     hanging: &Recording,
     wheel_spun: &Recording,
-    current_step: &Recording,
+    current_step: Option<&Recording>,
 ) -> (MotorSigns, Vec<Doubt>) {
     let mut doubts = Vec::new();
     let mut signs = MotorSigns::default();
@@ -254,6 +255,9 @@ pub fn motor_signs(
             recording: "wheel_spun",
         });
     }
+    let Some(current_step) = current_step else {
+        return (signs, doubts);
+    };
     let before = current_step.duty[0];
     let Some(stepped) = current_step.duty.iter().position(|duty| *duty != before) else {
         doubts.push(Doubt::DutyStill);

@@ -107,10 +107,21 @@ pub fn bring_up(recordings: &BringUpRecordings) -> BringUpReport {
         Some(WheelSpeedSensor::Encoder { bits, .. }) => WheelWord::Angle(2_f64.powi(*bits as i32)),
         _ => WheelWord::Speed,
     };
-    let (spun, step) = (view(&recordings.wheel_spun), view(&recordings.current_step));
-    let (signs, doubts) = motor_signs(word, &hanging, &spun, &step);
+    let spun = view(&recordings.wheel_spun);
+    let step = recordings.current_step.as_ref().map(view);
+    let (signs, doubts) = motor_signs(word, &hanging, &spun, step.as_ref());
     doubts.into_iter().for_each(|doubt| report.doubt(doubt));
     report.motor(&signs, wheel, hardware);
+    if step.is_none() {
+        report.contradiction(
+            "current_step",
+            "[bring_up] current_step",
+            None,
+            "it is not recorded yet, so that the sign of the drive is open; the controller arms for it only if its axes are \
+             right: mend what stands above, generate and flash again, then record it"
+                .to_owned(),
+        );
+    }
     report
 }
 

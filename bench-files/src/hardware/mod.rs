@@ -26,7 +26,7 @@
 mod parts;
 mod reading;
 
-use toml_edit::{Item, TableLike};
+use toml_edit::{DocumentMut, Item, TableLike};
 
 pub use parts::{Part, known_parts};
 
@@ -167,11 +167,14 @@ pub enum DriveKind {
 impl Hardware {
     /// Writes the section into a document, as it was written in its source. An equal section is kept.
     pub(crate) fn write(&self, root: &mut dyn TableLike) {
-        let text = self.text.to_string();
-        if root
-            .get("hardware")
-            .is_none_or(|old| old.to_string() != text)
-        {
+        // A table alone prints without its own sections: only a document prints all of it.
+        let whole = |section: &Item| {
+            let mut document = DocumentMut::new();
+            document.insert("hardware", section.clone());
+            document.to_string()
+        };
+        let text = whole(&self.text);
+        if root.get("hardware").is_none_or(|old| whole(old) != text) {
             root.insert("hardware", self.text.clone());
         }
     }

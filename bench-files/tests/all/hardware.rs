@@ -239,3 +239,23 @@ fn keys_of_other_kinds_and_unknown_parts_say_what_to_do() {
         }
     }
 }
+
+/// The bench's sensors replace those that the model had: a changed axis must not be lost.
+#[test]
+fn the_hardware_of_a_model_is_replaced() {
+    let gyroscope = |axes: &str| {
+        let section = format!("[hardware.gyroscope]\npart = \"FXAS21002\"\naxes = {axes}\n");
+        read(&section).expect("a model")
+    };
+    let mut model = gyroscope("[\"x\", \"y\", \"z\"]");
+    let of_bench = gyroscope("[\"-y\", \"x\", \"z\"]");
+    model.hardware = of_bench.hardware.clone();
+    let again = ModelFile::parse(&model.to_toml(), Path::new("model.toml")).expect("a model");
+    assert_eq!(again.hardware, of_bench.hardware);
+    // Another kind of sensor replaces the whole section.
+    let encoder = "[hardware.angle]\nkind = \"encoder\"\npart = \"AS5600\"\nzero = 2048\n";
+    let encoder = read(encoder).expect("a model");
+    model.hardware = encoder.hardware.clone();
+    let again = ModelFile::parse(&model.to_toml(), Path::new("model.toml")).expect("a model");
+    assert_eq!(again.hardware, encoder.hardware);
+}

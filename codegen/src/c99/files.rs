@@ -216,7 +216,7 @@ fn header(
          *     flywheel_init(&controller);\n \
          *     every FLYWHEEL_SAMPLE_TIME_US:\n \
          *         duty = flywheel_step(&controller, &sample);\n \
-         *     once FLYWHEEL_READY: flywheel_arm(&controller);\n \
+         *     when the user wants it: flywheel_arm(&controller); (also after a trip)\n \
          *\n \
          * Words are whole numbers; each stands for its value times a power of two that is stated where it is\n \
          * used. Booleans are 0 and 1. No function keeps anything but what it is given, and none fails.\n \

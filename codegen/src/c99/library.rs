@@ -33,14 +33,14 @@ static flywheel_controller_t controller; /* flywheel_init(&controller) before th
 /* Every FLYWHEEL_SAMPLE_TIME_US, with the sensors' words, or without where one did not answer. */
 uint16_t tick(const flywheel_sample_t *sample, uint8_t sensors_answer, uint8_t user_wants_it) {{
     if (!sensors_answer) flywheel_fault(&controller); /* no current until flywheel_arm succeeds again */
-    if (user_wants_it && flywheel_status(&controller) == FLYWHEEL_READY) flywheel_arm(&controller);
+    if (user_wants_it) flywheel_arm(&controller); /* at start and after each trip; returns 1 once it is armed */
     return flywheel_step(&controller, sample); /* the duty; FLYWHEEL_ZERO_CURRENT unless it runs */
 }}
 ```
 
 `examples/flywheel/flywheel.ino` is a whole sketch for the sensors of the bench; where it says YOUR READING, it is for you to write. `certificate.json` states what is claimed of the controller; `flywheel prove` checks it on the Rust that `flywheel generate` writes without `--language c`, of which this is a translation.
 
-Do not change a file here by hand. Change `model.toml` or `bench.toml` and run `flywheel generate` again.
+Do not change a file here by hand. Change `model.toml`, or change `bench.toml` and run `flywheel identify`, which copies its `[hardware]` into model.toml. Then run `flywheel generate` again.
 "#
     )
 }

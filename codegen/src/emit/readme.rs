@@ -35,7 +35,7 @@ In its loop:
 - `src/constants.rs` states when the controller can be armed and when it trips (zero current).
 - `certificate.json` states the claims about this crate. `flywheel prove` checks them from these files alone.
 
-Do not change a file here by hand. Change `model.toml` or `bench.toml` and run `flywheel generate` again.
+Do not change a file here by hand. Change `model.toml`, or change `bench.toml` and run `flywheel identify`, which copies its `[hardware]` into model.toml. Then run `flywheel generate` again.
 "#
     );
     EmittedFile {

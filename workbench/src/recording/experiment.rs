@@ -131,9 +131,12 @@ impl RecordedExperiment {
     fn stretches(self, current_a: f64, seconds: f64) -> Vec<Stretch> {
         let stretch = |task: Task, seconds: f64| Stretch { task, seconds };
         match self {
-            RecordedExperiment::SpinUp | RecordedExperiment::CurrentStep => {
-                vec![stretch(drive(current_a), seconds)]
-            }
+            RecordedExperiment::SpinUp => vec![stretch(drive(current_a), seconds)],
+            // A step needs something before it.
+            RecordedExperiment::CurrentStep => vec![
+                stretch(drive(0.0), WITHOUT_CURRENT_BEFORE_STEP_S),
+                stretch(drive(current_a), seconds),
+            ],
             RecordedExperiment::CoastDown => vec![
                 stretch(drive(current_a), DRIVEN_BEFORE_COASTING_S),
                 stretch(drive(0.0), seconds),
@@ -211,6 +214,9 @@ pub(super) struct Part {
 
 /// Time for which the wheel is driven before it coasts, s.
 const DRIVEN_BEFORE_COASTING_S: f64 = 3.0;
+
+/// Time without current before the step of `current-step`, s: long enough for the noise of the wheel's word.
+const WITHOUT_CURRENT_BEFORE_STEP_S: f64 = 0.5;
 
 /// The logs of an experiment. If the settings do not fit, the error is a sentence.
 pub(super) fn parts(settings: &RecordSettings, words: &Words) -> Result<Vec<Part>, String> {

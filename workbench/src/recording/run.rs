@@ -41,7 +41,10 @@ pub(super) fn status_text(status: u8) -> String {
             "the attitude is not known: hold the body still for a moment, upright where an encoder on the \
              pivot shows it"
         }
-        READY => "ready, but not armed: hold the body upright and still",
+        READY => {
+            "ready, but not armed: hold the body upright and still (if it is, an axis in [hardware] is wrong: record hanging, \
+             tilted and wheel-spun, and run `flywheel bring-up`)"
+        }
         RUNNING => "running",
         3 => "tripped: the body leaned too far",
         4 => "tripped: the gyroscope's words, or the counts of the pivot's encoder, stood still",

@@ -91,10 +91,14 @@ fn recordings(truth: &Truth, seed: u64) -> [String; 4] {
     [hanging, tilted, spun, step]
 }
 
-fn report(bench: &str, [hanging, tilted, spun, step]: [String; 4]) -> BringUpReport {
+fn report(bench: &str, recordings: [String; 4]) -> BringUpReport {
+    report_of(bench, recordings, "current_step = \"c.csv\"\n")
+}
+
+/// The report of recordings of which the last may not be named in bench.toml.
+fn report_of(bench: &str, [hanging, tilted, spun, step]: [String; 4], last: &str) -> BringUpReport {
     let text = format!(
-        "{bench}[bring_up]\nhanging = \"h.csv\"\ntilted = \"t.csv\"\nwheel_spun = \"w.csv\"\n\
-         current_step = \"c.csv\"\n"
+        "{bench}[bring_up]\nhanging = \"h.csv\"\ntilted = \"t.csv\"\nwheel_spun = \"w.csv\"\n{last}"
     );
     let files: FilesInMemory = [
         ("bench.toml", text),
@@ -265,6 +269,25 @@ fn recordings_that_are_swapped_or_in_which_nothing_moves_are_named() {
         assert!(says(&nothing, &format!("[bring_up] {key}")), "{key}");
     }
     assert_eq!(nothing.signs, workbench::BringUpSigns::default());
+}
+
+/// A controller with a wrong axis does not arm, so that no current can be recorded: the wrong axis is named without it.
+#[test]
+fn axes_are_named_before_a_current_flows() {
+    let mirrored = Truth {
+        gyro: Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, -1.0)),
+        ..SOUND
+    };
+    let found = report_of(STATED, recordings(&mirrored, 44), "");
+    let keys = found.contradictions.iter().map(|one| one.key.as_str());
+    assert_eq!(
+        keys.collect::<Vec<_>>(),
+        ["[hardware.gyroscope] axes", "[bring_up] current_step"]
+    );
+    assert_eq!(
+        (found.signs.wheel_speed, found.signs.drive),
+        (Some(1), None)
+    );
 }
 
 /// Ten times the noise of a cheap sensor changes no result, and the axes of a chip that is tilted by 10° are still
