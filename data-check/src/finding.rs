@@ -184,7 +184,7 @@ impl FindingId {
                 "A channel stands still while the motion goes on: the sensor or its bus had stopped."
             }
             FindingId::Jump => {
-                "A channel jumps farther than it can move in one sample: two logs stand in one file, or a sensor lost its count; keep one part with `from` and `until`."
+                "A channel jumps farther than it can move in one sample: two logs stand in one file, a sensor lost its count, or samples were lost; keep one part with `from` and `until`."
             }
             FindingId::Wrapped => {
                 "A channel jumps from one end of its range to the other, as an angle does at 360 degrees. Jumps by a full turn are taken out when the file is read: state the unit in which a turn is one, or map the wheel's angle as such."
