@@ -275,7 +275,7 @@ pub fn describe(problem: &FitProblem, fit: &Fit) -> Option<Identification> {
 }
 
 /// Relative difference up to which two costs count as equal (rounding).
-const SAME_COST: f64 = 1e-9;
+pub(crate) const SAME_COST: f64 = 1e-9;
 
 /// All statements about a minimum, for a problem whose windows suit the model. `fit` is the minimum with its standard
 /// errors, if they are known.

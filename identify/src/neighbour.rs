@@ -7,7 +7,7 @@ use crate::errors::Fit;
 use crate::extension::{carry_over, extend};
 use crate::fit::{Effort, Minimum, joined};
 use crate::identification::{
-    Identification, coordinate_of, fit_until, identification, with_curves,
+    Identification, SAME_COST, coordinate_of, fit_until, identification, with_curves,
 };
 use crate::progress::Progress;
 
@@ -27,7 +27,13 @@ pub fn fit_from_neighbour(
     let near = near(problem, neighbour, model, progress);
     progress.check()?;
     match (alone, near) {
-        (Ok(alone), Some(near)) if alone.fit.minimum.cost <= near.fit.minimum.cost => Ok(alone),
+        // Both may have found the same minimum. The fit that depends on no neighbour then goes first, so that an effect
+        // that is added and removed again leaves every digit as it was.
+        (Ok(alone), Some(near))
+            if alone.fit.minimum.cost * (1.0 - SAME_COST) <= near.fit.minimum.cost =>
+        {
+            Ok(alone)
+        }
         (Ok(alone), None) => Ok(alone),
         (_, Some(near)) => Ok(near),
         (Err(error), None) => Err(error),

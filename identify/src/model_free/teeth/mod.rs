@@ -362,7 +362,17 @@ mod tests {
             }
         }
         assert!(seen > 0, "no piece of the log shows its teeth well");
-        assert!(wrapped(found.phase_rad - teeth[2]).abs() < 0.3, "{found:?}");
+        // The first teeth are seen some seconds after the log begins; until then the measured angle has walked.
+        let first = &found.places[0][0];
+        let walked_rad = found.order * (found.walks[0] * first.time_s).sqrt();
+        let (off, std) = (
+            wrapped(found.phase_rad - teeth[2]),
+            walked_rad.hypot(first.std_rad),
+        );
+        assert!(
+            off.abs() < 4.0 * std,
+            "off by {off}, standard deviation {std}"
+        );
     }
 
     #[test]
