@@ -136,7 +136,7 @@ fn properties_hold() {{
         let w = next();
         {}
         properties::control::total(w as i32, (w >> 16) as i32, (w >> 32) as i32);
-        properties::supervisor::counts_are_bounded(w as i32 % 50, w & 64 == 0, 1 + (w >> 40) as i32);
+        properties::supervisor::counts_are_bounded((w % 50) as _, w & 64 == 0, 1 + (w >> 40) as i32);
         properties::step::duty_within_limits(&mut controller, &of(if step % 5 < 3 {{ w & 0xff }} else {{ w }}), w & 128 == 0);
         if step % 999 == 0 {{ properties::supervisor::a_fault_lasts(&mut controller, &[of(w), of(next())]); }}
     }}
