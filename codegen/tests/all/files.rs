@@ -100,7 +100,7 @@ fn files_of_another_emission_are_found_and_removed() {
         error.to_string().contains("encoder_of_another_bench.rs"),
         "{error}"
     );
-    assert_eq!(emitted.write(out).unwrap(), [stale.clone()]);
+    assert_eq!(emitted.write(out).unwrap(), std::slice::from_ref(&stale));
     assert!(!stale.exists() && notes.exists());
     emitted.check(out).unwrap();
 }

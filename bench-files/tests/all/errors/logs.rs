@@ -274,7 +274,7 @@ fn logs() {
             rows("time_s,angle_rad,current_A", "T,0.01,1").into_bytes(),
             &[
                 "bench.toml:4:8",
-                "upright is pi",
+                "upright at pi",
                 "offset = { angle = 3.14159265 }",
             ],
         ),
