@@ -285,7 +285,7 @@ fn logs() {
             rows("time_s,angle_rad", "T,3.1").into_bytes(),
             &[
                 "bench.toml:4:8",
-                "hanging is 0",
+                "hanging at 0",
                 "offset = { angle = -3.14159265 }",
             ],
         ),
