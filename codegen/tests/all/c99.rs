@@ -241,6 +241,11 @@ struct Calls {
     is_weightless: bool,
     /// Which sensor alone is at the end of its range in the last steps.
     clips: Option<Clipped>,
+    /// Whether the gyroscope's reading stands still in the last steps, and its reading before.
+    sticks: bool,
+    gyro: [i16; 3],
+    /// By how much the accelerometer's other axes are off, counts: within what may be gravity.
+    sideways: [i16; 2],
     /// What every call of these steps is, where it is one and the same.
     calls: Option<u8>,
 }
@@ -263,6 +268,9 @@ impl Calls {
             falls: false,
             is_weightless: false,
             clips: None,
+            sticks: false,
+            gyro: [0; 3],
+            sideways: [0; 2],
             calls: None,
         }
     }
@@ -290,6 +298,11 @@ impl Calls {
                 1 => Some(Clipped::Accel),
                 _ => None,
             };
+            self.sticks = self.left % 16 == 2;
+            self.sideways = match self.left % 2 {
+                0 => [0; 2],
+                _ => std::array::from_fn(|_| self.random.random_range(-350..350)),
+            };
         }
         self.left -= 1;
         let any = match self.random.random_range(0..1000) {
@@ -316,6 +329,12 @@ impl Calls {
             self.lean_rad += 0.001 * self.rate_rad_s;
             let mut gyro = gyro.map(|part| part.round() as i16);
             let mut accel = accel.map(|part| part.round() as i16);
+            accel[1] += self.sideways[0];
+            accel[2] += self.sideways[1];
+            if self.sticks && self.left < 100 {
+                gyro = self.gyro;
+            }
+            self.gyro = gyro;
             // Longer than a controller that runs bears it.
             if self.left < 100 {
                 match self.clips {

@@ -255,8 +255,17 @@ fn changes(line: &str, damage: Damage) -> Vec<(usize, usize, String)> {
         ("!", ""),
     ] {
         for (place, _) in line.match_indices(old) {
-            // Whether another operand widens the product too the text does not say: casts are damaged apart.
             if (old == "(int64_t)") != (damage == Damage::Casts) {
+                continue;
+            }
+            // One operand of 64 bits widens a product: only both casts of a product are a damage. A cast alone, in front of a
+            // word of 32 bits, changes nothing where a product or a comparison follows.
+            if damage == Damage::Casts {
+                let rest = &line[place..];
+                let product = rest.split([';', '+', ',']).next().unwrap_or(rest);
+                if product.matches(old).count() == 2 && product.contains(" * ") {
+                    changes.push((place, product.len(), product.replace(old, new)));
+                }
                 continue;
             }
             // The vectors are scaled by steps that ask again: the first question only saves time.
