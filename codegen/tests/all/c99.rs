@@ -301,6 +301,7 @@ impl Calls {
             self.sticks = self.left % 16 == 2;
             self.sideways = match self.left % 2 {
                 0 => [0; 2],
+                _ if self.is_weightless => [0; 2],
                 _ => std::array::from_fn(|_| self.random.random_range(-350..350)),
             };
         }
