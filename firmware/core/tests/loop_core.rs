@@ -452,6 +452,6 @@ fn another_timer_gets_the_same_share() {
         assert!((0.0..1.0).contains(&off), "{most}: {off}");
         let (mut core, mut timer) = (LoopCore::new(), Coarse { most, duty: 0 });
         core.tick(0, &mut Upright::default(), &mut timer);
-        assert_eq!(u32::from(timer.duty), (u32::from(most) + 1) / 2, "{most}");
+        assert_eq!(u32::from(timer.duty), u32::from(most).div_ceil(2), "{most}");
     }
 }
