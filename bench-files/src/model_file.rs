@@ -23,7 +23,7 @@ use crate::toml_writing::table_in;
 use crate::verdict_section;
 use crate::write::write_atomically;
 
-/// The sections of a model.toml; `tool` belongs to other programs and is kept unchanged.
+/// The sections of a model.toml; `tool` belongs to other programs and is kept unchanged, except `[tool.flywheel]`.
 const SECTIONS: [&str; 9] = [
     "parameters",
     "correlation",

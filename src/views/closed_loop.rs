@@ -89,7 +89,7 @@ fn raw_counts(report: &SimulationReport) -> String {
 fn recovery(report: &SimulationReport) -> String {
     let found = &report.recovery;
     format!(
-        "\nLargest angle recovered from rest, without sensor noise\n  emitted law {}, exact law {}, asin(τ \
+        "\nLargest angle recovered from rest, without sensor noise\n  emitted law {}, law in floating point {}, asin(τ \
          u_max/G) = {}\n",
         degrees(found.emitted_law_rad),
         degrees(found.exact_law_rad),

@@ -64,6 +64,64 @@ fn what_is_added_and_removed_again_leaves_the_parameters_as_they_were() {
     assert_eq!(removed.after.effects, before.effects);
 }
 
+/// A body that is known per unit of inertia and a wheel in kg m² have no motion together: no controller is made of them.
+#[test]
+fn inertias_on_two_scales_are_refused() {
+    let model = |wheel: &str, unit: &str| {
+        format!(
+            "[parameters.total_inertia]\nvalue = 1.0\nunit = \"kg m2 per kg m2\"\n\
+             [parameters.wheel_inertia]\nvalue = {wheel}\n{unit}\
+             [parameters.gravity_torque]\nvalue = 105.9\nunit = \"N m per kg m2\"\n\
+             [parameters.torque_constant]\nvalue = 0.033\n\
+             [parameters.body_viscous_friction]\nvalue = 0.11\n\
+             [parameters.wheel_viscous_friction]\nvalue = 1.6e-5\n\
+             [effects]\npresent = [\"body-viscous-friction\", \"wheel-viscous-friction\"]\n\
+             [design]\nsample_time = 1e-3\nstate_weights = [25.0, 0.5, 5e-4]\n\
+             current_weight = 1.0\ncurrent_limit = 2.0\n"
+        )
+    };
+    let designed = |wheel: &str, unit: &str| {
+        let path = std::path::Path::new("model.toml");
+        let file = bench_files::ModelFile::parse(&model(wheel, unit), path).expect("a model");
+        workbench::ControlDesign::of(file)
+    };
+    let open = |wheel: &str, unit: &str| match designed(wheel, unit) {
+        Err(Error::OpenScale { unknown, .. }) => unknown,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(open("1.15e-4", ""), "total_inertia");
+    let unit = "unit = \"kg m2 per kg m2\"\n";
+    assert_eq!(open("1.0", unit), "total_inertia and wheel_inertia");
+    // A wheel that was fitted in units of the body's inertia is on the same scale.
+    assert!(!matches!(
+        designed("0.051", unit),
+        Err(Error::OpenScale { .. })
+    ));
+}
+
+/// A model that a diagnosis did not explain says so where a controller is made of it, until other parameters replace it.
+#[test]
+fn a_model_that_explains_nothing_cautions_the_design() {
+    let mut session = session();
+    session.identify(&silent()).expect("a fit");
+    let mut file = session.model().expect("a model").clone();
+    file.unexplained = Some("Unexplained: an error remains.".to_owned());
+    let again = bench_files::ModelFile::parse(&file.to_toml(), std::path::Path::new("model.toml"));
+    let mut again = again.expect("a model");
+    again.design = Some(session.usual_design());
+    let report = |file: bench_files::ModelFile| {
+        let designed = workbench::ControlDesign::of(file).expect("a design");
+        designed.report().expect("a report").cautions
+    };
+    let cautions = report(again.clone());
+    assert!(
+        cautions.len() == 1 && cautions[0].contains("an error remains"),
+        "{cautions:?}"
+    );
+    again.replace_model_parameters(again.parameters.clone(), None);
+    assert_eq!(report(again), Vec::<String>::new());
+}
+
 #[test]
 fn what_cannot_be_is_said_with_its_place() {
     let mut session = session();
