@@ -10,3 +10,4 @@ mod learned;
 mod scales;
 mod sensors;
 mod teeth;
+mod thesis_bench;
