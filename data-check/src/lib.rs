@@ -67,8 +67,8 @@ mod view;
 mod wheel;
 
 use bench_files::Bench;
+use parallel::parallel_map;
 use plant::Kind;
-use rayon::prelude::*;
 
 pub use finding::{Finding, FindingId, Severity};
 pub use propose::{
@@ -82,7 +82,7 @@ use view::{Facts, View};
 /// All findings for the data of a bench: refusals first, then in the order of its experiments.
 pub fn check(bench: &Bench) -> Vec<Finding> {
     // The experiments are checked side by side; the findings keep the order of the experiments.
-    let views: Vec<View> = bench.experiments.par_iter().map(View::new).collect();
+    let views: Vec<View> = parallel_map(&bench.experiments, View::new);
     let mut found = vec![];
     known::check(bench, &mut found);
     // What is out of scale is no measure for anything else.
@@ -90,19 +90,23 @@ pub fn check(bench: &Bench) -> Vec<Finding> {
         true => Facts::default(),
         false => Facts::of(bench, &views),
     };
-    found.par_extend(views.par_iter().flat_map_iter(|view| {
-        let mut of_view = vec![];
-        if !constant::check(view, &mut of_view) {
-            channels::check(view, &mut of_view);
-            standstill::check(view, &mut of_view);
-            jumps::check(view, &mut of_view);
-            lost::check(view, &mut of_view);
-            current_sensor::check(view, &mut of_view);
-            coast::check(view, &mut of_view);
-        }
-        held::check(view, &mut of_view);
-        of_view
-    }));
+    found.extend(
+        parallel_map(&views, |view| {
+            let mut of_view = vec![];
+            if !constant::check(view, &mut of_view) {
+                channels::check(view, &mut of_view);
+                standstill::check(view, &mut of_view);
+                jumps::check(view, &mut of_view);
+                lost::check(view, &mut of_view);
+                current_sensor::check(view, &mut of_view);
+                coast::check(view, &mut of_view);
+            }
+            held::check(view, &mut of_view);
+            of_view
+        })
+        .into_iter()
+        .flatten(),
+    );
     let is_wrapped = |view: &View| {
         let mut of_view = found.iter().filter(|finding| is_about(finding, view));
         of_view.any(|finding| finding.finding == FindingId::Wrapped && is_refusal(finding))
@@ -121,22 +125,19 @@ pub fn check(bench: &Bench) -> Vec<Finding> {
         spin_up_measure::settle(&answers, &facts, &mut settled);
     }
     // What is settled is settled for one experiment, so that the order of the experiments does not matter.
-    let of_motion: Vec<(Vec<Finding>, Settled)> = views
-        .par_iter()
-        .map(|view| {
-            let (mut of_view, mut settled) = (vec![], settled.clone());
-            if !kinematics::columns(view, &mut of_view) {
-                swing::check(view, &mut settled, &mut of_view);
-                if view.kind() == Kind::FreeSwing {
-                    by_itself::check(view, &mut of_view);
-                }
-                momentum::check(view, &facts, &mut settled, &mut of_view);
-                kinematics::check(view, &mut settled, &mut of_view);
-                law::check(bench, view, &mut settled, &mut of_view);
+    let of_motion: Vec<(Vec<Finding>, Settled)> = parallel_map(&views, |view| {
+        let (mut of_view, mut settled) = (vec![], settled.clone());
+        if !kinematics::columns(view, &mut of_view) {
+            swing::check(view, &mut settled, &mut of_view);
+            if view.kind() == Kind::FreeSwing {
+                by_itself::check(view, &mut of_view);
             }
-            (of_view, settled)
-        })
-        .collect();
+            momentum::check(view, &facts, &mut settled, &mut of_view);
+            kinematics::check(view, &mut settled, &mut of_view);
+            law::check(bench, view, &mut settled, &mut of_view);
+        }
+        (of_view, settled)
+    });
     for (of_view, of_settled) in of_motion {
         found.extend(of_view);
         settled.join(of_settled);

@@ -8,8 +8,8 @@ use identify::{
     Cancelled, Effort, FitProblem, IdentifyError, Minimum, Progress, carry_over, contradictions,
     extend, fit_until, joined, refit,
 };
+use parallel::parallel_map;
 use plant::{EffectId, Model};
-use rayon::prelude::*;
 
 use crate::applicable::is_cleared;
 use crate::bench::{IsCancelled, SearchBench};
@@ -347,18 +347,15 @@ impl<'a> Searched<'a> {
         if verdict == Verdict::Explained && is_as_it_was {
             verdict = Verdict::NothingMissing;
         }
-        let mut steps = steps
-            .into_iter()
-            .zip(&candidates)
-            .collect::<Vec<_>>()
-            .into_par_iter()
-            .map(|(step, &index)| {
-                bench.check()?;
-                let is_ground = step.model == start.candidate.model;
-                let known = start.whole.as_ref().filter(|_| is_ground);
-                Ok(start.step(problem, step, &found.pool[index], &looks[&index], known))
-            })
-            .collect::<Result<Vec<Step>, Cancelled>>()?;
+        let of_candidates = steps.into_iter().zip(&candidates);
+        let mut steps = parallel_map(of_candidates, |(step, &index)| {
+            bench.check()?;
+            let is_ground = step.model == start.candidate.model;
+            let known = start.whole.as_ref().filter(|_| is_ground);
+            Ok(start.step(problem, step, &found.pool[index], &looks[&index], known))
+        })
+        .into_iter()
+        .collect::<Result<Vec<Step>, Cancelled>>()?;
         for index in 1..steps.len() {
             steps[index].is_held_out_worse =
                 is_worse(&steps[index - 1].held_out, &steps[index].held_out);

@@ -5,8 +5,8 @@ use bench_files::numbers::significant;
 use std::collections::{BTreeMap, BTreeSet};
 
 use identify::{Cancelled, Contradiction, Fit, FitProblem, Minimum, finish};
+use parallel::parallel_map;
 use plant::{EffectId, Model};
-use rayon::prelude::*;
 
 use crate::bench::SearchBench;
 use crate::candidate::Candidate;
@@ -153,23 +153,22 @@ pub fn looks(
     indices: impl Iterator<Item = usize>,
 ) -> Result<BTreeMap<usize, Look>, Cancelled> {
     let indices: BTreeSet<usize> = indices.collect();
-    indices
-        .into_par_iter()
-        .map(|index| {
-            bench.check()?;
-            let candidate = &found.pool[index];
-            let (model, minimum) = (&candidate.model, &candidate.minimum);
-            let free = bench.problem.free(model);
-            let (unseen, held_out) = held_out(bench, model, minimum);
-            bench.check()?;
-            let look = Look {
-                fit: finish(&bench.records, model, &free, minimum.clone()),
-                held_out,
-                unseen,
-            };
-            Ok((index, look))
-        })
-        .collect()
+    parallel_map(indices, |index| {
+        bench.check()?;
+        let candidate = &found.pool[index];
+        let (model, minimum) = (&candidate.model, &candidate.minimum);
+        let free = bench.problem.free(model);
+        let (unseen, held_out) = held_out(bench, model, minimum);
+        bench.check()?;
+        let look = Look {
+            fit: finish(&bench.records, model, &free, minimum.clone()),
+            held_out,
+            unseen,
+        };
+        Ok((index, look))
+    })
+    .into_iter()
+    .collect()
 }
 
 /// Builds the suspects of the report.
@@ -179,9 +178,8 @@ pub fn suspects(
     looks: &BTreeMap<usize, Look>,
     ranked: Vec<Ranked>,
 ) -> Result<Vec<Suspect>, Cancelled> {
-    ranked
-        .into_par_iter()
-        .map(|one| suspect(bench, found, &looks[&one.index], one))
+    parallel_map(ranked, |one| suspect(bench, found, &looks[&one.index], one))
+        .into_iter()
         .collect()
 }
 

@@ -1,8 +1,8 @@
 //! One round of trials: a score test of every suspect, then a fit of the most promising ones.
 
 use identify::{Cancelled, KnownScore, Unknowns, acts, ratios, score_test};
+use parallel::{parallel_map, parallel_pair};
 use plant::{EffectId, StartFrom};
-use rayon::prelude::*;
 
 use crate::applicable::{applicable, completes_series};
 use crate::bench::SearchBench;
@@ -100,13 +100,12 @@ pub fn try_all(
         ),
         leaves_no_trace: &|_| false,
     };
-    let (scored, others) = rayon::join(
+    let (scored, others) = parallel_pair(
         || absent_starts(bench, from, point, known, &absent),
         || -> Vec<Vec<Start>> {
-            others
-                .par_iter()
-                .map(|&effect| starts(bench, &from.minimum, point, known, effect))
-                .collect()
+            parallel_map(&others, |&effect| {
+                starts(bench, &from.minimum, point, known, effect)
+            })
         },
     );
     let mut screened: Vec<(f64, Vec<Start>)> = scored

@@ -4,8 +4,8 @@ use identify::{
     KnownScore, MAX_UNKNOWNS, Minimum, Nuisance, Output, Record, ScoreStep, Unknowns, Window,
     carry_over, cogging_start, guessed, score_test, settled, shaped_start,
 };
+use parallel::parallel_map;
 use plant::{EffectId, Model, Role, StartFrom};
-use rayon::prelude::*;
 
 use crate::applicable::refines;
 use crate::bench::SearchBench;
@@ -60,38 +60,38 @@ pub fn absent_starts(
         let values = carry_over(model, values, &larger, &start);
         (larger, values)
     };
-    effects
-        .par_chunks(room)
-        .flat_map(|group| {
-            let (mut model, mut values) = (from.model.clone(), point.values.clone());
-            for &effect in group {
-                (model, values) = with(&model, &values, effect);
-            }
-            let unknowns = Unknowns::new(&model, &problem.free(&model));
-            let windows = &point.windows;
-            let score_test = score_test(records, &model, &values, windows, &unknowns, Some(known));
-            let own: Vec<Option<usize>> = group.iter().map(|&e| model.position(e)).collect();
-            group
-                .iter()
-                .map(|&effect| {
-                    let moves: Vec<bool> = unknowns
-                        .free
-                        .iter()
-                        .map(|&at| model.position(effect) == Some(at) || !own.contains(&Some(at)))
-                        .collect();
-                    let promised_cost = score_test.step(&values, &unknowns, &moves).cost;
-                    let (model, values) = with(&from.model, &point.values, effect);
-                    Start {
-                        effect,
-                        model,
-                        values,
-                        promised_cost,
-                        windows: None,
-                    }
-                })
-                .collect::<Vec<_>>()
-        })
-        .collect()
+    parallel_map(effects.chunks(room), |group| {
+        let (mut model, mut values) = (from.model.clone(), point.values.clone());
+        for &effect in group {
+            (model, values) = with(&model, &values, effect);
+        }
+        let unknowns = Unknowns::new(&model, &problem.free(&model));
+        let windows = &point.windows;
+        let score_test = score_test(records, &model, &values, windows, &unknowns, Some(known));
+        let own: Vec<Option<usize>> = group.iter().map(|&e| model.position(e)).collect();
+        group
+            .iter()
+            .map(|&effect| {
+                let moves: Vec<bool> = unknowns
+                    .free
+                    .iter()
+                    .map(|&at| model.position(effect) == Some(at) || !own.contains(&Some(at)))
+                    .collect();
+                let promised_cost = score_test.step(&values, &unknowns, &moves).cost;
+                let (model, values) = with(&from.model, &point.values, effect);
+                Start {
+                    effect,
+                    model,
+                    values,
+                    promised_cost,
+                    windows: None,
+                }
+            })
+            .collect::<Vec<_>>()
+    })
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 /// The starting points of an effect on top of the model of `known`. That model was fitted over the whole logs

@@ -1,8 +1,8 @@
 //! The search for the set of effects that explains the measurements.
 
 use identify::{Cancelled, Effort, Outcome, Progress, fit_windowed, refit};
+use parallel::parallel_map;
 use plant::{EffectId, period_s};
-use rayon::prelude::*;
 
 use crate::bench::SearchBench;
 use crate::candidate::{Candidate, names};
@@ -263,11 +263,12 @@ fn prune_and_swap(
         // Sets that are already in the pool are fitted again, starting from the parameters of the larger candidate. A
         // smaller model that is stuck far from its minimum would make an effect look necessary.
         let known = |set: &[EffectId]| pool.iter().find(|known| known.set() == set).cloned();
-        let smaller: Vec<Candidate> = chosen
-            .added
-            .par_iter()
-            .filter_map(|&effect| without(bench, &chosen, effect, &known).transpose())
-            .collect::<Result<_, Cancelled>>()?;
+        let smaller: Vec<Candidate> = parallel_map(&chosen.added, |&effect| {
+            without(bench, &chosen, effect, &known).transpose()
+        })
+        .into_iter()
+        .flatten()
+        .collect::<Result<_, Cancelled>>()?;
         merge(pool, smaller);
         // Each set with one effect removed is extended by every other effect, unless that was done before.
         let from: Vec<&Candidate> = chosen
@@ -298,10 +299,10 @@ fn prune_and_swap(
             leader: bench.leaves_nothing(&chosen).then_some(&chosen),
             only_where_something_remains: true,
         };
-        let found: Vec<Vec<Candidate>> = from
-            .par_iter()
-            .map(|candidate| try_all(bench, candidate, &round))
-            .collect::<Result<_, Cancelled>>()?;
+        let found: Vec<Vec<Candidate>> =
+            parallel_map(from, |candidate| try_all(bench, candidate, &round))
+                .into_iter()
+                .collect::<Result<_, Cancelled>>()?;
         merge(pool, found.concat());
         let evidence = finished_evidences(bench, pool)?;
         let Some(top) = argmax(&evidence, 0..pool.len()) else {

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use bench_files::Bench;
 use identify::{FitProblem, IdentifyError, Progress};
+use parallel::parallel_map;
 use plant::EffectId;
-use rayon::prelude::*;
 use serde::Deserialize;
 
 use crate::answer::{Answer, UnknownEffect};
@@ -71,14 +71,11 @@ pub fn sit(seed: u64) -> Option<Entry> {
 
 /// Holds the exam for these seeds, several at a time. `done` is called after each one.
 pub fn sit_seeds(seeds: Range<u64>, done: &(dyn Fn() + Sync)) -> Sitting {
-    let results: Vec<(u64, Option<Entry>)> = seeds
-        .into_par_iter()
-        .map(|seed| {
-            let entry = sit(seed);
-            done();
-            (seed, entry)
-        })
-        .collect();
+    let results: Vec<(u64, Option<Entry>)> = parallel_map(seeds, |seed| {
+        let entry = sit(seed);
+        done();
+        (seed, entry)
+    });
     let is_void = |(seed, entry): &(u64, Option<Entry>)| entry.is_none().then_some(*seed);
     Sitting {
         void: results.iter().filter_map(is_void).collect(),

@@ -1,11 +1,11 @@
 //! The identification: from a bench to a fitted model with all statements about it.
 
 use bench_files::numbers::number;
+use parallel::{parallel_map, parallel_pair};
 use plant::{
     BASE_PARAMETERS, EffectId, Instant, LearnedCoordinate, Model, Smoothing, TOTAL_INERTIA,
     WHEEL_INERTIA,
 };
-use rayon::prelude::*;
 
 use crate::bench::{FitProblem, IdentifyError};
 use crate::errors::{Contradiction, Fit, body_inertia_contradiction, contradictions, finish};
@@ -288,29 +288,26 @@ pub(crate) fn identification(
     let records = problem.all_records();
     let free = problem.free(model);
     // These parts are independent of each other; one long log alone would keep only one core busy.
-    let ((fit, contradicted), (traces, pushes)) = rayon::join(
+    let ((fit, contradicted), (traces, pushes)) = parallel_pair(
         || {
             let on_bound: Vec<usize> = free
                 .iter()
                 .zip(&minimum.on_bound)
                 .filter_map(|(&position, &on_bound)| on_bound.then_some(position))
                 .collect();
-            rayon::join(
+            parallel_pair(
                 || fit.unwrap_or_else(|| finish(&records, model, &free, minimum.clone())),
                 || contradictions(problem, model, &minimum.values, &minimum.windows, &on_bound),
             )
         },
         || {
             let push_model = PushModel::of(model, &minimum.values);
-            let traces: Vec<Vec<PredictedSeries>> = records
-                .par_iter()
-                .zip(&minimum.windows)
-                .map(|(record, windows)| traces(record, windows, model, &minimum.values))
-                .collect();
-            let pushes: Vec<Vec<FoundPush>> = records
-                .par_iter()
-                .map(|record| find_pushes(record, &push_model))
-                .collect();
+            let each = records.iter().zip(&minimum.windows);
+            let traces: Vec<Vec<PredictedSeries>> = parallel_map(each, |(record, windows)| {
+                traces(record, windows, model, &minimum.values)
+            });
+            let pushes: Vec<Vec<FoundPush>> =
+                parallel_map(&records, |record| find_pushes(record, &push_model));
             (traces, pushes)
         },
     );

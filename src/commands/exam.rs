@@ -9,7 +9,7 @@ use ::exam::{
 };
 use bench_files::write_atomically;
 use indicatif::{ProgressBar, ProgressStyle};
-use rayon::prelude::*;
+use parallel::parallel_map;
 
 use crate::arguments::JsonOutput;
 use crate::failure::Failure;
@@ -101,14 +101,12 @@ fn drawn(seeds: Seeds) -> Sitting {
 fn from_folder(folder: &Path) -> Result<Sitting, Failure> {
     let benches = benches_in(folder)?;
     let bar = bar(benches.len() as u64);
-    let entries: Result<Vec<Entry>, SitError> = benches
-        .par_iter()
-        .map(|path| {
-            let entry = sit_folder(path);
-            bar.inc(1);
-            entry
-        })
-        .collect();
+    let entries = parallel_map(&benches, |path| {
+        let entry = sit_folder(path);
+        bar.inc(1);
+        entry
+    });
+    let entries: Result<Vec<Entry>, SitError> = entries.into_iter().collect();
     bar.finish_and_clear();
     Ok(Sitting {
         entries: entries?,

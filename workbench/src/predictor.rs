@@ -1,8 +1,8 @@
 //! The experiments of a bench, simulated with other values of the model's parameters.
 
 use identify::{Effort, FitProblem, Minimum, PredictedSeries, Progress, Record, Window};
+use parallel::parallel_map;
 use plant::Model;
-use rayon::prelude::*;
 
 use crate::comparison::ExperimentCurves;
 use crate::error::Error;
@@ -57,8 +57,10 @@ impl Started {
         let traces = |(record, windows): (&Record, &Vec<Window>)| {
             identify::traces(record, windows, &self.model, values)
         };
-        let records = self.problem.records.par_iter();
-        records.zip(&self.minimum.windows).map(traces).collect()
+        parallel_map(
+            self.problem.records.iter().zip(&self.minimum.windows),
+            traces,
+        )
     }
 }
 

@@ -9,7 +9,7 @@ use checker::mutate::{Mutant, MutantVerdict, Summary, chosen, judged, notices, s
 use checker::prove::Emitted;
 use checker::{ClaimOutcome, ClaimResult, ProveError};
 use identify::Progress;
-use rayon::prelude::*;
+use parallel::parallel_map;
 use serde::Serialize;
 
 use crate::bench_hardware::Preset;
@@ -225,7 +225,7 @@ pub fn mutate(
             "{} of {count} mutants",
             done.load(Ordering::Relaxed)
         ));
-        verdicts.par_extend(some.into_par_iter().map(|mutant| {
+        verdicts.extend(parallel_map(some, |mutant| {
             let verdict = judged(&emitted, &certificate, mutant);
             done.fetch_add(1, Ordering::Relaxed);
             verdict

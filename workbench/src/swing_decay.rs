@@ -1,7 +1,7 @@
 //! The decay of the free swings of a bench, measured and according to the model.
 
 use identify::{AtAmplitude, DecayLaw, FreeDecay, PredictedSeries, Record};
-use rayon::prelude::*;
+use parallel::parallel_map;
 use serde::{Deserialize, Serialize};
 
 use crate::named;
@@ -52,25 +52,23 @@ pub(crate) type OverAmplitude = (Vec<f64>, Vec<f64>);
 
 /// The free swings that are long enough to show a decay.
 pub(crate) fn swing_decays(records: &[Record], traces: &[Vec<PredictedSeries>]) -> Vec<SwingDecay> {
-    records
-        .par_iter()
-        .zip(traces)
-        .filter_map(|(record, traces)| {
-            let measured = identify::decay(record)?;
-            let mut simulated = record.clone();
-            for (channel, trace) in simulated.channels.iter_mut().zip(traces) {
-                channel.samples.clone_from(&trace.predicted);
-            }
-            Some(SwingDecay {
-                experiment: record.name.clone(),
-                laws: measured.laws.iter().map(AmplitudeLaw::of).collect(),
-                period_drift_percent: measured.period_drift_percent.value,
-                period_drift_percent_std: measured.period_drift_percent.std,
-                measured: Some(measured),
-                simulated: identify::decay(&simulated),
-            })
+    let each = records.iter().zip(traces);
+    let decays = parallel_map(each, |(record, traces)| {
+        let measured = identify::decay(record)?;
+        let mut simulated = record.clone();
+        for (channel, trace) in simulated.channels.iter_mut().zip(traces) {
+            channel.samples.clone_from(&trace.predicted);
+        }
+        Some(SwingDecay {
+            experiment: record.name.clone(),
+            laws: measured.laws.iter().map(AmplitudeLaw::of).collect(),
+            period_drift_percent: measured.period_drift_percent.value,
+            period_drift_percent_std: measured.period_drift_percent.std,
+            measured: Some(measured),
+            simulated: identify::decay(&simulated),
         })
-        .collect()
+    });
+    decays.into_iter().flatten().collect()
 }
 
 impl AmplitudeLaw {

@@ -14,8 +14,8 @@ use std::ops::Range;
 
 use identify::{FitProblem, Nuisance, Record};
 use nalgebra::{DMatrix, DVector};
+use parallel::parallel_map;
 use plant::{EffectId, HidingPlace, Model, Output};
-use rayon::prelude::*;
 
 use super::size::BaseFit;
 use crate::bench_plan::replay;
@@ -227,10 +227,8 @@ pub fn left_by_combinations(
         .zip(all_traces)
         .map(|(segment, traces)| left(segment, traces))
         .collect();
-    let plain: Vec<Vec<[f64; 3]>> = segments
-        .par_iter()
-        .map(|segment| segment.motion(&truth, &segment.from))
-        .collect();
+    let plain: Vec<Vec<[f64; 3]>> =
+        parallel_map(&segments, |segment| segment.motion(&truth, &segment.from));
     // The trace of changed parameters or terms, segment by segment.
     let trace = |truth: &Truth| -> Vec<DVector<f64>> {
         segments
@@ -243,34 +241,27 @@ pub fn left_by_combinations(
             })
             .collect()
     };
-    let mut varied: Vec<(Option<EffectId>, Vec<DVector<f64>>)> = clean
-        .free(&model)
-        .into_par_iter()
-        .map(|position| {
+    let mut varied: Vec<(Option<EffectId>, Vec<DVector<f64>>)> =
+        parallel_map(clean.free(&model), |position| {
             let mut values = values.clone();
             values[position] *= 1.0 + STEP;
             (None, trace(&truth_of(&values)))
-        })
-        .collect();
-    varied.par_extend(
-        terms(suspects, place)
-            .into_par_iter()
-            .map(|(effect, place)| {
-                let with = |amplitude: f64| {
-                    let parameters = effect.info().hidden(amplitude, &place);
-                    trace(&truth.with(vec![Hidden::Library(effect, parameters)]))
-                };
-                let guess = effect.info().first_guess();
-                let first = with(guess);
-                let size = worst(&segments, &rows, &first);
-                let trace = if size > 0.0 && size.is_finite() {
-                    with(guess * (SIZE / size).clamp(1e-3, 1e3))
-                } else {
-                    first
-                };
-                (Some(effect), trace)
-            }),
-    );
+        });
+    varied.extend(parallel_map(terms(suspects, place), |(effect, place)| {
+        let with = |amplitude: f64| {
+            let parameters = effect.info().hidden(amplitude, &place);
+            trace(&truth.with(vec![Hidden::Library(effect, parameters)]))
+        };
+        let guess = effect.info().first_guess();
+        let first = with(guess);
+        let size = worst(&segments, &rows, &first);
+        let trace = if size > 0.0 && size.is_finite() {
+            with(guess * (SIZE / size).clamp(1e-3, 1e3))
+        } else {
+            first
+        };
+        (Some(effect), trace)
+    }));
     // A trace that is not finite is left out.
     varied.retain(|(_, trace)| {
         let sum: f64 = trace.iter().map(DVector::norm_squared).sum();
@@ -309,15 +300,17 @@ pub fn left_by_combinations(
     let normal = DMatrix::from_fn(count, count, |i, j| dot(&varied[i].1, &varied[j].1));
     let right = DVector::from_iterator(count, varied.iter().map(|(_, trace)| dot(trace, &hidden)));
     let together = TOGETHER.min(suspects.len());
-    let (at, shares, _) = sets(suspects, together)
-        .into_par_iter()
-        .filter(|set| !fits_any_curve(set))
-        .filter_map(|set| {
-            let is_in = |owner: Option<EffectId>| owner.is_none_or(|owner| set.contains(&owner));
-            let at: Vec<usize> = (0..count).filter(|&at| is_in(varied[at].0)).collect();
-            let (shares, taken) = least_squares(&normal, &right, &at)?;
-            taken.is_finite().then_some((at, shares, taken))
-        })
+    let sets = sets(suspects, together);
+    let fitted = sets.into_iter().filter(|set| !fits_any_curve(set));
+    let fitted = parallel_map(fitted, |set| {
+        let is_in = |owner: Option<EffectId>| owner.is_none_or(|owner| set.contains(&owner));
+        let at: Vec<usize> = (0..count).filter(|&at| is_in(varied[at].0)).collect();
+        let (shares, taken) = least_squares(&normal, &right, &at)?;
+        taken.is_finite().then_some((at, shares, taken))
+    });
+    let (at, shares, _) = fitted
+        .into_iter()
+        .flatten()
         .max_by(|(_, _, a), (_, _, b)| a.total_cmp(b))?;
     let left: Vec<DVector<f64>> = hidden
         .iter()

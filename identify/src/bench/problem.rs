@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 
 use bench_files::{Bench, Known};
+use parallel::parallel_map;
 use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
-use rayon::prelude::*;
 
 use super::error::IdentifyError;
 use super::toothed::Toothed;
@@ -38,10 +38,8 @@ impl FitProblem {
     /// # Errors
     /// [`IdentifyError::NoExperiments`] if no experiment has a usable channel.
     pub fn new(bench: &Bench) -> Result<FitProblem, IdentifyError> {
-        let records: Vec<Record> = bench
-            .experiments
-            .par_iter()
-            .map(Record::from_experiment)
+        let records: Vec<Record> = parallel_map(&bench.experiments, Record::from_experiment)
+            .into_iter()
             .filter(|record| !record.channels.is_empty() && !record.is_empty())
             .collect();
         let mut known = [None; 4];

@@ -8,8 +8,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use parallel::parallel_map;
 use plant::Kind;
-use rayon::prelude::*;
 
 use crate::model_free::Teeth;
 use crate::records::{BALANCE_WINDOW_S, Output, Record, ToothStart, median};
@@ -47,9 +47,10 @@ pub(super) enum Toothed {
 impl Toothed {
     /// From the logs as recorded.
     pub(super) fn shown(teeth: &Teeth, raw: &[Record]) -> Toothed {
-        let logs = raw.par_iter().enumerate();
-        let logs = logs.map(|(log, raw)| by_teeth(teeth, log, raw));
-        Toothed::Shown(Arc::new(logs.collect()))
+        let logs = parallel_map(raw.iter().enumerate(), |(log, raw)| {
+            by_teeth(teeth, log, raw)
+        });
+        Toothed::Shown(Arc::new(logs))
     }
 
     /// Number of samples per block of a log that is read by its teeth.

@@ -23,8 +23,8 @@
 
 use bench_files::numbers::{number, significant, with_uncertainty};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use parallel::parallel_map;
 use plant::{Model, TOTAL_INERTIA, WHEEL_INERTIA};
-use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::covariance::{gradient_error, pseudo_inverse};
@@ -223,15 +223,11 @@ impl<'a> Statistics<'a> {
         let records = problem.all_records();
         let at = score_test(&records, model, values, windows, &unknowns, None).records;
         let infos = model.parameters();
-        let scatter = records
-            .par_iter()
-            .zip(windows)
-            .zip(&at)
-            .map(|((record, windows), at)| {
-                let own = shortest_solution(&at.information, &at.gradient);
-                gradient_error(record, windows, model, values, &unknowns, &own).covariance()
-            })
-            .collect();
+        let each = records.iter().zip(windows).zip(&at);
+        let scatter = parallel_map(each, |((record, windows), at)| {
+            let own = shortest_solution(&at.information, &at.gradient);
+            gradient_error(record, windows, model, values, &unknowns, &own).covariance()
+        });
         Statistics {
             records,
             unknowns,

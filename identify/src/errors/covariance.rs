@@ -23,8 +23,8 @@
 //! that is uncertain but not estimated (Schmidt 1966; Bierman 1977, chapter VIII).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix6xX};
+use parallel::parallel_map;
 use plant::{Kind, Model, Smoothing};
-use rayon::prelude::*;
 
 use super::spectral::correlated_sum;
 use crate::fit::{
@@ -55,11 +55,10 @@ pub fn covariance(
     let nowhere = DVector::zeros(count);
     let mut middle = DMatrix::zeros(count, count);
     let mut stick = DVector::zeros(count);
-    let errors: Vec<GradientError> = records
-        .par_iter()
-        .zip(windows)
-        .map(|(record, windows)| gradient_error(record, windows, model, values, unknowns, &nowhere))
-        .collect();
+    let errors: Vec<GradientError> =
+        parallel_map(records.iter().zip(windows), |(record, windows)| {
+            gradient_error(record, windows, model, values, unknowns, &nowhere)
+        });
     for error in errors {
         middle += error.noise;
         stick += error.stick;
@@ -150,10 +149,9 @@ pub fn gradient_error(
     let mut sensitivities = vec![vec![vec![0.0; n]; p]; channels];
     let mut counts = vec![0usize; channels];
     let mut locals_total = 0;
-    let projected: Vec<Projected> = windows
-        .par_iter()
-        .map(|window| project(record, window, model, values, unknowns, &globals))
-        .collect();
+    let projected: Vec<Projected> = parallel_map(windows, |window| {
+        project(record, window, model, values, unknowns, &globals)
+    });
     for (window, projected) in windows.iter().zip(projected) {
         locals_total += window.nuisances.len();
         let rows = projected.sensitivities.chunks_exact(projected.width);

@@ -1,8 +1,8 @@
 //! Starts for a fit of cogging. Two quantities cannot be found by descent from afar: the order of the cogging, which
 //! is a whole number, and the tooth at which the wheel rests when a window begins.
 
+use parallel::parallel_map;
 use plant::{EffectId, Model};
-use rayon::prelude::*;
 
 use super::comparison::traces;
 use super::sensitivity::{counts, window_cost};
@@ -386,15 +386,13 @@ pub fn settled(
         .zip(windows)
         .map(|(record, list)| {
             let has_wheel = record.channel(Output::WheelSpeed).is_some();
-            list.into_par_iter()
-                .map(|window| {
-                    if has_wheel {
-                        settle(record, window)
-                    } else {
-                        window
-                    }
-                })
-                .collect()
+            parallel_map(list, |window| {
+                if has_wheel {
+                    settle(record, window)
+                } else {
+                    window
+                }
+            })
         })
         .collect()
 }

@@ -4,8 +4,8 @@
 //! number of windows.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
+use parallel::parallel_map;
 use plant::Model;
-use rayon::prelude::*;
 
 use super::sensitivity::{WindowNormal, normal};
 use super::unknowns::{Unknowns, Window};
@@ -29,19 +29,16 @@ pub(super) fn assemble(
         .enumerate()
         .flat_map(|(record, list)| (0..list.len()).map(move |window| (record, window)))
         .collect();
-    let results: Vec<WindowNormal> = jobs
-        .par_iter()
-        .map(|&(record, window)| {
-            normal(
-                records[record],
-                &windows[record][window],
-                model,
-                values,
-                unknowns,
-                &globals[record],
-            )
-        })
-        .collect();
+    let results: Vec<WindowNormal> = parallel_map(jobs, |(record, window)| {
+        normal(
+            records[record],
+            &windows[record][window],
+            model,
+            values,
+            unknowns,
+            &globals[record],
+        )
+    });
     // Summed in a fixed order, so that the result does not depend on the number of processors.
     let cost = results.iter().map(|result| result.cost).sum();
     let mut results = results.into_iter();

@@ -5,8 +5,8 @@
 //! 1978) on the [`super::normal_equations`].
 
 use nalgebra::{DMatrix, DVector};
+use parallel::parallel_map;
 use plant::{GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
-use rayon::prelude::*;
 
 use super::effort::{Effort, Outcome, within_pace};
 use super::normal_equations::{Damping, UNDAMPED, assemble, reduce, solve};
@@ -243,15 +243,13 @@ pub fn minimise(
 
 /// The cost that [`minimise`] lowers, computed without derivatives.
 pub fn cost(records: &[&Record], model: &Model, values: &[f64], windows: &[Vec<Window>]) -> f64 {
-    let jobs: Vec<(&Record, &Window)> = records
+    let jobs = records
         .iter()
         .zip(windows)
-        .flat_map(|(record, list)| list.iter().map(move |window| (*record, window)))
-        .collect();
-    let costs: Vec<f64> = jobs
-        .par_iter()
-        .map(|&(record, window)| window_cost(record, window, model, values))
-        .collect();
+        .flat_map(|(record, list)| list.iter().map(move |window| (*record, window)));
+    let costs = parallel_map(jobs, |(record, window)| {
+        window_cost(record, window, model, values)
+    });
     // Summed in the order of the windows, so that the result does not depend on the number of threads.
     costs.into_iter().sum()
 }

@@ -8,8 +8,8 @@
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
+use parallel::parallel_map;
 use plant::{Instant, LearnedCoordinate, Model, Role, Spline};
-use rayon::prelude::*;
 
 use super::held_out::{
     Part, best_factor, block_length, held_out_cost, solved, sum, that_can_be_held_out,
@@ -126,13 +126,12 @@ pub fn missing_curve(
         .collect();
     let spline = Spline::new(&fine_knots(&samples, coordinate)?, coordinate.period())?;
     let n = spline.knots().len();
-    let rows: Vec<Rows> = records
-        .par_iter()
-        .zip(windows)
-        .filter_map(|(record, windows)| {
-            rows(record, windows, (model, values, free), coordinate, &spline)
-        })
-        .collect();
+    let rows: Vec<Rows> = parallel_map(records.iter().zip(windows), |(record, windows)| {
+        rows(record, windows, (model, values, free), coordinate, &spline)
+    })
+    .into_iter()
+    .flatten()
+    .collect();
     let count = n + free.len();
     if rows.is_empty() {
         return None;
@@ -229,11 +228,13 @@ pub fn best_missing_curve(
         LearnedCoordinate::Angle,
         LearnedCoordinate::WheelAngle,
     ];
-    let mut found: Vec<MissingCurve> = ORDER
-        .into_par_iter()
-        .filter_map(|coordinate| missing_curve(records, windows, model, values, free, coordinate))
-        .filter(|curve| curve.significance > SIGNIFICANT)
-        .collect();
+    let mut found: Vec<MissingCurve> = parallel_map(ORDER, |coordinate| {
+        missing_curve(records, windows, model, values, free, coordinate)
+    })
+    .into_iter()
+    .flatten()
+    .filter(|curve| curve.significance > SIGNIFICANT)
+    .collect();
     let best = found
         .iter()
         .map(|curve| curve.explained)

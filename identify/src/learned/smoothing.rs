@@ -4,8 +4,8 @@
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
+use parallel::parallel_map;
 use plant::{EffectId, LearnedCurve, Model};
-use rayon::prelude::*;
 
 use super::held_out::{Part, best_factor, block_length, sum, that_can_be_held_out};
 use super::own_terms::{OwnTerm, apart_from};
@@ -137,13 +137,10 @@ fn blocks(
             parts.extend(own);
             continue;
         }
-        let of_windows: Vec<Part> = windows[index]
-            .par_iter()
-            .map(|window| {
-                let normal = normal(record, window, model, values, unknowns, globals);
-                without_starts(&normal, globals, count)
-            })
-            .collect();
+        let of_windows: Vec<Part> = parallel_map(&windows[index], |window| {
+            let normal = normal(record, window, model, values, unknowns, globals);
+            without_starts(&normal, globals, count)
+        });
         let each = of_windows.len().div_ceil(MOST_BLOCKS).max(1);
         parts.extend(of_windows.chunks(each).map(sum));
     }

@@ -24,7 +24,7 @@ mod piece;
 
 use std::f64::consts::{PI, TAU};
 
-use rayon::prelude::*;
+use parallel::parallel_map;
 
 use self::chain::{Belief, Chain, log_sum_exp};
 use self::piece::{HIGHEST_ORDER, Piece};
@@ -174,19 +174,21 @@ fn wrapped(angle_rad: f64) -> f64 {
 ///
 /// First only pieces count in which no order is taken for another; then, if these do not suffice, all.
 pub(crate) fn find_teeth(records: &[Record]) -> Option<Teeth> {
-    let logs: Vec<Option<WheelLog>> = records.par_iter().map(WheelLog::of).collect();
-    let pieces: Vec<Piece> = logs
-        .par_iter()
+    let logs: Vec<Option<WheelLog>> = parallel_map(records, WheelLog::of);
+    let pieces_of = logs
+        .iter()
         .enumerate()
-        .flat_map_iter(|(index, log)| log.iter().flat_map(move |log| pieces(index, log)))
+        .filter_map(|(index, log)| Some((index, log.as_ref()?)));
+    let pieces: Vec<Piece> = parallel_map(pieces_of, |(index, log)| pieces(index, log))
+        .into_iter()
+        .flatten()
         .collect();
     [(true, KNOWN_ORDER), (false, KNOWN_AMONG_ALIASES)]
         .into_iter()
         .find_map(|(alone, odds)| {
-            let orders: Vec<(f64, f64)> = (1..=HIGHEST_ORDER)
-                .into_par_iter()
-                .map(|order| Chain::new(&pieces, order as f64, alone).evidence())
-                .collect();
+            let orders: Vec<(f64, f64)> = parallel_map(1..=HIGHEST_ORDER, |order| {
+                Chain::new(&pieces, order as f64, alone).evidence()
+            });
             let all: Vec<f64> = orders.iter().map(|one| one.0).collect();
             let best = (0..HIGHEST_ORDER).max_by(|&x, &y| all[x].total_cmp(&all[y]))?;
             let mut others = all.clone();

@@ -31,8 +31,8 @@ mod steps;
 mod stretches;
 mod torque;
 
+use parallel::parallel_map;
 use plant::Model;
-use rayon::prelude::*;
 
 use self::coordinate::coordinates;
 use self::series::{Context, ResidualSeries, adjust, output_series, torque_series};
@@ -109,13 +109,10 @@ pub fn breakdown(
     let mut torques: Vec<(TorqueOn, ResidualSeries)> = vec![];
     let mut slopes: Vec<Vec<Vec<f64>>> = vec![];
     let mut outputs: Vec<ResidualSeries> = vec![];
-    let seen: Vec<Seen> = (0..records.len())
-        .into_par_iter()
-        .map(|index| {
-            let (windows, traces) = (&windows[index], &traces[index]);
-            seen(index, &records[index], windows, traces, model, values)
-        })
-        .collect();
+    let seen: Vec<Seen> = parallel_map(0..records.len(), |index| {
+        let (windows, traces) = (&windows[index], &traces[index]);
+        seen(index, &records[index], windows, traces, model, values)
+    });
     for one in seen {
         motions.push(one.motion);
         places.push(one.places);

@@ -1,7 +1,7 @@
 //! The attempts to explain a missing torque by one coordinate after the other.
 
 use nalgebra::DVector;
-use rayon::prelude::*;
+use parallel::parallel_map;
 
 use super::super::residual_torque::TorqueOn;
 use super::super::structure::SIGNIFICANT;
@@ -41,10 +41,9 @@ impl Context<'_> {
                 on != TorqueOn::Wheel || !of_body
             })
             .collect();
-        let mut attempts: Vec<Attempt> = coordinates
-            .par_iter()
-            .map(|&index| self.attempt(index, on, group, all_excess))
-            .collect();
+        let mut attempts: Vec<Attempt> = parallel_map(coordinates, |index| {
+            self.attempt(index, on, group, all_excess)
+        });
         for attempt in &mut attempts {
             map.explained.push(attempt.explained);
             map.breakdowns.append(&mut attempt.breakdowns);
