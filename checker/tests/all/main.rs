@@ -15,6 +15,7 @@ mod intervals;
 mod length;
 mod mutants;
 mod nested;
+mod observer;
 mod physical_signs;
 mod pivot;
 mod refusals;

@@ -9,6 +9,7 @@ use std::sync::OnceLock;
 use checker::certificate::reader::Certificate;
 use checker::claims::closed_loop_second;
 use checker::claims::control_law::EmittedLaw;
+use checker::claims::emitted_observer::EmittedObserver;
 use checker::claims::loop_as_shipped::inertial::InertialErrors;
 use checker::claims::loop_as_shipped::{self, NoBounds, ShippedLoop};
 use checker::prove::Emitted;
@@ -50,6 +51,8 @@ pub(crate) enum Sensors {
     Draw,
     /// At the end that pushes the body away from upright.
     Push,
+    /// At one end for ever: a constant bias of all that is shown.
+    Bias,
 }
 
 /// Numbers of 0 to 1 (SplitMix64).
@@ -62,6 +65,64 @@ impl Draws {
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// The observer of the angle's bias, stepped in the words that it computes.
+#[derive(Clone, Copy)]
+pub(crate) struct Observer {
+    decay: f64,
+    direct: [f64; 3],
+    from_states: [f64; 3],
+    from_current: f64,
+    /// One over the unit of its state and over that of the estimate; infinite without rounding.
+    units: [f64; 2],
+    state: f64,
+}
+
+impl Observer {
+    pub(crate) fn of(own: &EmittedObserver, is_rounded: bool) -> Observer {
+        Observer {
+            decay: real(&own.decay),
+            direct: own.direct.each_ref().map(real),
+            from_states: own.from_states.each_ref().map(real),
+            from_current: real(&own.from_current),
+            units: if is_rounded {
+                [30, 29].map(|bits| 2.0_f64.powi(bits))
+            } else {
+                [f64::INFINITY; 2]
+            },
+            state: 0.0,
+        }
+    }
+
+    fn rounded(value: f64, per_unit: f64) -> f64 {
+        if per_unit.is_finite() {
+            (value * per_unit).round() / per_unit
+        } else {
+            value
+        }
+    }
+
+    fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+        a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    }
+
+    /// Before the start it sees no bias.
+    pub(crate) fn waits(&mut self, shown: [f64; 3]) {
+        self.state = Observer::rounded(-Observer::dot(self.direct, shown), self.units[0]);
+    }
+
+    pub(crate) fn estimate(&self, shown: [f64; 3]) -> f64 {
+        let bias = self.state + Observer::dot(self.direct, shown);
+        Observer::rounded(bias, self.units[1]).clamp(-0.1, 0.1)
+    }
+
+    pub(crate) fn advance(&mut self, shown: [f64; 3], current: f64) {
+        let next = self.decay * self.state
+            + Observer::dot(self.from_states, shown)
+            + self.from_current * current;
+        self.state = Observer::rounded(next, self.units[0]);
     }
 }
 
@@ -90,10 +151,12 @@ pub(crate) struct Pendulum {
     window: Option<usize>,
     /// Steps of an encoder on the pivot, the error of a reading (rad) and its count (rad).
     pivot: Option<(usize, f64, f64)>,
+    observer: Option<Observer>,
 }
 
-/// Largest |angle|, |rate|, |wheel speed| and |command| of a run, and of its last quarter.
+/// Largest |angle|, |rate|, |wheel speed| and |command| of a run, and of its last quarter; the largest |estimated bias|.
 pub(crate) struct Seen {
+    pub(crate) estimate: f64,
     pub(crate) whole: [f64; 4],
     pub(crate) late: [f64; 4],
 }
@@ -150,6 +213,7 @@ impl Pendulum {
                 real(&certificate.drive.current_range_a.value)
             }),
             window: encoder.map(|encoder| encoder.window as usize),
+            observer: law.observer.as_ref().map(|own| Observer::of(own, true)),
         }
     }
 
@@ -181,7 +245,9 @@ impl Pendulum {
         let mut rates = std::collections::VecDeque::from(vec![0.0; 200]);
         let mut shown =
             std::collections::VecDeque::from(vec![start; self.pivot.map_or(0, |p| p.0)]);
+        let mut observer = self.observer;
         let mut seen = Seen {
+            estimate: 0.0,
             whole: [0.0; 4],
             late: [0.0; 4],
         };
@@ -191,7 +257,7 @@ impl Pendulum {
             let old = match sensors {
                 Sensors::Round => 0.0,
                 Sensors::Draw => random.next(),
-                Sensors::Push => 1.0,
+                Sensors::Push | Sensors::Bias => 1.0,
             };
             let back = (old * self.age / self.t * PARTS as f64).round() as usize;
             let rate = rates[rates.len() - 1 - back.min(rates.len() - 1)];
@@ -200,6 +266,7 @@ impl Pendulum {
                 Sensors::Round => 0.0,
                 Sensors::Draw => (2.0 * random.next() - 1.0) * size,
                 Sensors::Push => away * size,
+                Sensors::Bias => size,
             };
             let seen_direction = x[0] + error(direction);
             let mut seen_rate = rate + error(gyro) + error(drift);
@@ -221,15 +288,27 @@ impl Pendulum {
                 believed = match sensors {
                     Sensors::Round => (x[0] / count).round() * count,
                     // The loop's worst readings change sides as slowly as the loop, which `error` does.
-                    Sensors::Draw | Sensors::Push => x[0] + error(most),
+                    Sensors::Draw | Sensors::Push | Sensors::Bias => x[0] + error(most),
                 };
                 let before = shown.pop_front().unwrap_or(believed);
                 shown.push_back(believed);
                 seen_rate = (believed - before) / (window as f64 * self.t);
             }
             let [n1, n2, n3] = self.gains;
-            let wished = n1 * believed + n2 * seen_rate + n3 * seen_speed;
+            let shown_states = [believed, seen_rate, seen_speed];
+            let mut bias = 0.0;
+            if let Some(observer) = &mut observer {
+                if step == 0 {
+                    observer.waits([start, 0.0, 0.0]);
+                }
+                bias = observer.estimate(shown_states);
+                seen.estimate = seen.estimate.max(bias.abs());
+            }
+            let wished = n1 * (believed - bias) + n2 * seen_rate + n3 * seen_speed;
             let command = wished.clamp(-self.limit, self.limit);
+            if let Some(observer) = &mut observer {
+                observer.advance(shown_states, command);
+            }
             let held = (command + self.back_emf * seen_speed).clamp(-self.reach, self.reach);
             let sent = (held / self.duty_count).round() * self.duty_count;
             let quantities = [x[0], x[1], x[2], wished];

@@ -1,7 +1,7 @@
 //! The largest effect of starts and inputs on each quantity of the loop, over all time.
 //!
 //! Inputs and start are carried forward as columns, v, F v, F² v, …. With weights W and ‖·‖ the
-//! largest sum of a row's magnitudes, q = ‖W Fᵐ W⁻¹‖ < 1 for some m, and K = Σ_{i<m} ‖W Fⁱ W⁻¹‖. Then
+//! largest sum of a row's magnitudes, q = ‖W Fᵐ W⁻¹‖ < 1 for some m, and K ≥ Σ_{i<m} ‖W Fⁱ W⁻¹‖. Then
 //! Σ_j ‖W Fʲ W⁻¹‖ ≤ K/(1 − q), so that
 //!
 //! - after J steps all later terms of a row C together are at most ‖C W⁻¹‖₁ K/(1 − q) ‖W Fᴶ v‖;
@@ -16,7 +16,7 @@ use crate::claims::loop_as_shipped::carried::{Carried, ROWS, ShortLoop};
 use crate::claims::loop_as_shipped::layout::SquareGrid;
 use crate::claims::loop_as_shipped::plant::{Loop, product};
 use crate::exact::grid::{BITS, Grid, above, exactly, on_grid, times};
-use crate::exact::rational::{half, integer, power_of_two, short_above};
+use crate::exact::rational::{integer, power_of_two, short_above};
 use crate::exact::short::TooLarge;
 
 /// Place of what the drive holds.
@@ -27,11 +27,18 @@ pub const CHANGE: usize = 4;
 pub const ACCELERATIONS: [usize; 2] = [5, 6];
 /// Place of the current that the law asks for.
 pub const ASKED: usize = 7;
+/// Place of the estimated bias of the angle.
+pub const ESTIMATE: usize = 8;
 
 /// Longest m that is tried, as a power of two.
 const DOUBLINGS: usize = 17;
-/// Steps that are added up, in multiples of m.
-const LENGTHS: usize = 16;
+/// Steps that are added up, in multiples of m: what is left then is q⁸ ≤ 2⁻¹⁶ of the start.
+const LENGTHS: usize = 8;
+
+/// Largest q.
+fn largest_q() -> BigRational {
+    power_of_two(-2)
+}
 
 /// Worst responses, for each row, all rounded up.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,10 +51,10 @@ pub struct Responses {
     /// Sums over all time of the responses to a current of 1 A, an acceleration of 1 rad/s² and a torque of 1 N m on
     /// the wheel.
     pub sums: [[BigRational; ROWS]; 3],
-    /// Sums over all time of the responses to an error of 1 rad of one reading of an encoder on the pivot; zero without
-    /// one.
-    pub reading: [BigRational; ROWS],
-    /// Largest response to errors of 1 rad of all readings in the window before the start.
+    /// Sums over all time of the responses to each input of one sample ([`Loop::readings`]).
+    pub readings: Vec<[BigRational; ROWS]>,
+    /// Largest response to errors of 1 rad before the start: of all readings in the window of an encoder on the pivot, or of
+    /// the observer's state. Zero without either.
     pub before: [BigRational; ROWS],
     /// The largest of the terms of the current.
     pub kick: [BigRational; ROWS],
@@ -67,15 +74,19 @@ impl Responses {
         };
         let short = ShortLoop::of(&model.f, &rows).map_err(too_large)?;
         let from_start = short
-            .carry(&[model.layout.at_rest()], steps, 1)
+            .carry(&[model.layout.at_rest(&model.direct[0])], steps, 1)
             .map_err(too_large)?;
         let mut from_inputs: [Carried; 3] = Default::default();
         for (carried, columns) in from_inputs.iter_mut().zip(&model.inputs) {
             *carried = short.carry(columns, steps, 1).map_err(too_large)?;
         }
-        let readings = model.reading.as_slice();
-        let from_readings = short.carry(readings, steps, 1).map_err(too_large)?;
-        let oldest = model.layout.oldest_reading();
+        let from_readings: Vec<Carried> = model
+            .readings
+            .iter()
+            .map(|reading| short.carry(std::slice::from_ref(&reading.column), steps, 1))
+            .collect::<Result<_, _>>()
+            .map_err(too_large)?;
+        let oldest = model.layout.before_start();
         let span = model.layout.angles().len().max(1);
         let before = short
             .carry(oldest.as_slice(), steps, span)
@@ -124,9 +135,12 @@ impl Responses {
                 })
             }),
             before: std::array::from_fn(|index| settled(index, &before, &most(&before, index))),
-            reading: std::array::from_fn(|index| {
-                settled(index, &from_readings, &from_readings.sum[index])
-            }),
+            readings: from_readings
+                .iter()
+                .map(|carried| {
+                    std::array::from_fn(|index| settled(index, carried, &carried.sum[index]))
+                })
+                .collect(),
             kick: std::array::from_fn(|index| {
                 let carried = &from_inputs[0];
                 short_above(t * (settled(index, carried, &most(carried, index)) + beyond(index, 0)))
@@ -165,6 +179,7 @@ fn rows(model: &Loop) -> [Vec<Grid>; ROWS] {
         on_the_grid(&before),
         on_the_grid(&after),
         on_the_grid(&model.asked),
+        on_the_grid(&model.estimate),
     ]
 }
 
@@ -196,34 +211,47 @@ impl Decay {
             let slack = BigRational::one() + power_of_two(-40);
             exactly(&rows.max().unwrap_or_default()) * slack + power_of_two(-60)
         };
-        let mut matrix = model.f.clone();
-        let mut m = 1;
-        let mut q = norm(&matrix);
+        // F, F², F⁴, …
+        let mut powers = vec![model.f.clone()];
+        let mut q = norm(&model.f);
         for _ in 0..DOUBLINGS {
-            if q <= half() {
+            if q <= largest_q() {
                 break;
             }
-            matrix = product(&matrix, &matrix);
-            m *= 2;
-            q = norm(&matrix);
+            let last = &powers[powers.len() - 1];
+            let next = product(last, last);
+            q = norm(&next);
+            powers.push(next);
         }
-        if q > half() {
+        if q > largest_q() {
             return Err(NoBounds::NotShown(
                 "the loop is not stable, or too slow for the argument".to_owned(),
             ));
         }
-        let mut power: SquareGrid = vec![vec![Grid::zero(); model.f.len()]; model.f.len()];
-        for (i, row) in power.iter_mut().enumerate() {
-            row[i] = BigInt::one() << BITS;
-        }
-        let mut sum = BigRational::zero();
-        for _ in 0..m {
-            // In few digits, so that the sum stays short.
-            sum += exactly(&above(&norm(&power)));
-            power = product(&power, &model.f);
-        }
+        // All powers below the m-th are one below the r-th times one of the r-th, r near the root of m, so that not all of
+        // them have to be formed.
+        let m = 1 << (powers.len() - 1);
+        let long = powers.len() / 2;
+        let r = 1 << long;
+        let sum = |step: &SquareGrid, count: usize| -> BigRational {
+            let mut power: SquareGrid = vec![vec![Grid::zero(); step.len()]; step.len()];
+            for (i, row) in power.iter_mut().enumerate() {
+                row[i] = BigInt::one() << BITS;
+            }
+            let mut sum = BigRational::zero();
+            for _ in 0..count {
+                // In few digits, so that the sum stays short.
+                sum += exactly(&above(&norm(&power)));
+                power = product(&power, step);
+            }
+            sum
+        };
+        let all = match powers.get(long) {
+            Some(step) if m > r => sum(&model.f, r) * sum(step, m / r),
+            _ => sum(&model.f, m),
+        };
         Ok(Decay {
-            total: short_above(sum / (BigRational::one() - q)),
+            total: short_above(all / (BigRational::one() - q)),
             weights,
             m,
         })
@@ -247,10 +275,10 @@ impl Decay {
 
 /// The weight of a state is its share of the held current, which makes the states comparable. The wheel's speed has the
 /// weight of the speed that an encoder shows, and each turn has the weight of the turn over the window. The angles that
-/// an encoder on the pivot showed have the weight of the oldest.
+/// an encoder on the pivot showed have the weight of the oldest, and an observer's state its own share.
 fn weights(model: &Loop) -> Vec<BigRational> {
     let share = |place: usize| model.held.get(place).map(Signed::abs).unwrap_or_default();
-    let (turns, angles) = (model.layout.turns(), model.layout.angles());
+    let turns = model.layout.turns();
     let of_turn = share(turns.start);
     let speed = match turns.is_empty() {
         false => &of_turn * &model.t * integer(turns.len() as i128),
@@ -258,7 +286,8 @@ fn weights(model: &Loop) -> Vec<BigRational> {
     };
     let mut weights = vec![share(0), share(1), speed, BigRational::one()];
     weights.resize(turns.end, of_turn);
-    weights.resize(angles.end, share(angles.end - 1));
+    let order = model.layout.order();
+    weights.resize(order, share(order - 1));
     for weight in weights.iter_mut().filter(|weight| weight.is_zero()) {
         *weight = BigRational::one();
     }
