@@ -229,21 +229,24 @@ class Responses:
         norm = lambda m: real(
             max(sum(abs(x) * y >> BITS for x, y in zip(*lines) if x) for lines in zip(m, ratios))
         ) * (1 + Fraction(1, 1 << 40)) + Fraction(1, 1 << 60)
-        powers = [f]
-        while (q := norm(powers[-1])) > Fraction(1, 4):
-            if len(powers) > 17:
+        power, m = f, 1
+        while (q := norm(power)) > Fraction(1, 4):
+            if m > 1 << 17:
                 raise NotShown("with viscous friction alone the loop is not stable, or too slow")
-            powers.append(times(powers[-1], powers[-1]))
-        m, half = 1 << (len(powers) - 1), len(powers) // 2
-        # All powers below the m-th: each is one below the 2^half-th times one of that power.
-        total = 1 / (1 - q)
-        for step, count in ((powers[0], 1 << half), (powers[half], m >> half)):
-            power, some = [unit(i) for i in range(order)], Fraction(0)
-            for _ in range(count):
-                some += short(norm(power))
-                power = times(power, step)
-            total *= some
+            power, m = times(power, power), 2 * m
+        # power f as rows times the places of f that are not zero
         lines = [[(j, x) for j, x in enumerate(line) if x] for line in f]
+        power, total = [unit(i) for i in range(order)], Fraction(0)
+        for _ in range(m):
+            total += short(norm(power))
+            found = [[0] * order for _ in range(order)]
+            for sums, line in zip(found, power):
+                for x, places in zip(line, lines):
+                    if x:
+                        for j, y in places:
+                            sums[j] += x * y >> BITS
+            power = found
+        total /= 1 - q
 
         fall, push = plant.a[1], plant.b[1]
         fall = fall[:3] + [Fraction(0)] * (order - 3)

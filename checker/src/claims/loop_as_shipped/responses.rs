@@ -1,7 +1,7 @@
 //! The largest effect of starts and inputs on each quantity of the loop, over all time.
 //!
 //! Inputs and start are carried forward as columns, v, F v, F² v, …. With weights W and ‖·‖ the
-//! largest sum of a row's magnitudes, q = ‖W Fᵐ W⁻¹‖ < 1 for some m, and K ≥ Σ_{i<m} ‖W Fⁱ W⁻¹‖. Then
+//! largest sum of a row's magnitudes, q = ‖W Fᵐ W⁻¹‖ < 1 for some m, and K = Σ_{i<m} ‖W Fⁱ W⁻¹‖. Then
 //! Σ_j ‖W Fʲ W⁻¹‖ ≤ K/(1 − q), so that
 //!
 //! - after J steps all later terms of a row C together are at most ‖C W⁻¹‖₁ K/(1 − q) ‖W Fᴶ v‖;
@@ -211,47 +211,34 @@ impl Decay {
             let slack = BigRational::one() + power_of_two(-40);
             exactly(&rows.max().unwrap_or_default()) * slack + power_of_two(-60)
         };
-        // F, F², F⁴, …
-        let mut powers = vec![model.f.clone()];
-        let mut q = norm(&model.f);
+        let mut matrix = model.f.clone();
+        let mut m = 1;
+        let mut q = norm(&matrix);
         for _ in 0..DOUBLINGS {
             if q <= largest_q() {
                 break;
             }
-            let last = &powers[powers.len() - 1];
-            let next = product(last, last);
-            q = norm(&next);
-            powers.push(next);
+            matrix = product(&matrix, &matrix);
+            m *= 2;
+            q = norm(&matrix);
         }
         if q > largest_q() {
             return Err(NoBounds::NotShown(
                 "the loop is not stable, or too slow for the argument".to_owned(),
             ));
         }
-        // All powers below the m-th are one below the r-th times one of the r-th, r near the root of m, so that not all of
-        // them have to be formed.
-        let m = 1 << (powers.len() - 1);
-        let long = powers.len() / 2;
-        let r = 1 << long;
-        let sum = |step: &SquareGrid, count: usize| -> BigRational {
-            let mut power: SquareGrid = vec![vec![Grid::zero(); step.len()]; step.len()];
-            for (i, row) in power.iter_mut().enumerate() {
-                row[i] = BigInt::one() << BITS;
-            }
-            let mut sum = BigRational::zero();
-            for _ in 0..count {
-                // In few digits, so that the sum stays short.
-                sum += exactly(&above(&norm(&power)));
-                power = product(&power, step);
-            }
-            sum
-        };
-        let all = match powers.get(long) {
-            Some(step) if m > r => sum(&model.f, r) * sum(step, m / r),
-            _ => sum(&model.f, m),
-        };
+        let mut power: SquareGrid = vec![vec![Grid::zero(); model.f.len()]; model.f.len()];
+        for (i, row) in power.iter_mut().enumerate() {
+            row[i] = BigInt::one() << BITS;
+        }
+        let mut sum = BigRational::zero();
+        for _ in 0..m {
+            // In few digits, so that the sum stays short.
+            sum += exactly(&above(&norm(&power)));
+            power = product(&power, &model.f);
+        }
         Ok(Decay {
-            total: short_above(all / (BigRational::one() - q)),
+            total: short_above(sum / (BigRational::one() - q)),
             weights,
             m,
         })
