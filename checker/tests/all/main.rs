@@ -1,6 +1,7 @@
 //! The checker from outside: what it proves, what it refuses, and who notices damage.
 
 mod attacks;
+mod attacks_on_folders;
 mod attacks_on_numbers;
 mod attraction;
 mod certificate;
