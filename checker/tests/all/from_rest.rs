@@ -11,8 +11,9 @@ use checker::claims::loop_from_rest::{self, LoopFromRest};
 use checker::prove::{ClaimOutcome, Emitted};
 use num_traits::ToPrimitive;
 
+use crate::observer::Observer;
 use crate::pivot::{certificate, law, parsed};
-use crate::shipped::{Observer, real};
+use crate::shipped::real;
 
 /// A loop with a converter at the wheel. The body is shown by an encoder of 2^14 counts on the pivot, its window 4, or by an angle and a
 /// rate in steps.

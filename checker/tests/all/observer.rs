@@ -16,6 +16,64 @@ use crate::from_rest::{agree_from_rest, comes_to_the_inner_bounds, stay_together
 use crate::pivot::{self, parsed};
 use crate::shipped::{Pendulum, Sensors, both_agree, real};
 
+/// The observer of the angle's bias, stepped in the words that it computes.
+#[derive(Clone, Copy)]
+pub(crate) struct Observer {
+    decay: f64,
+    direct: [f64; 3],
+    from_states: [f64; 3],
+    from_current: f64,
+    /// One over the unit of its state and over that of the estimate; infinite without rounding.
+    units: [f64; 2],
+    state: f64,
+}
+
+impl Observer {
+    pub(crate) fn of(own: &EmittedObserver, is_rounded: bool) -> Observer {
+        Observer {
+            decay: real(&own.decay),
+            direct: own.direct.each_ref().map(real),
+            from_states: own.from_states.each_ref().map(real),
+            from_current: real(&own.from_current),
+            units: if is_rounded {
+                [30, 29].map(|bits| 2.0_f64.powi(bits))
+            } else {
+                [f64::INFINITY; 2]
+            },
+            state: 0.0,
+        }
+    }
+
+    fn rounded(value: f64, per_unit: f64) -> f64 {
+        if per_unit.is_finite() {
+            (value * per_unit).round() / per_unit
+        } else {
+            value
+        }
+    }
+
+    fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+        a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    }
+
+    /// Before the start it sees no bias.
+    pub(crate) fn waits(&mut self, shown: [f64; 3]) {
+        self.state = Observer::rounded(-Observer::dot(self.direct, shown), self.units[0]);
+    }
+
+    pub(crate) fn estimate(&self, shown: [f64; 3]) -> f64 {
+        let bias = self.state + Observer::dot(self.direct, shown);
+        Observer::rounded(bias, self.units[1]).clamp(-0.1, 0.1)
+    }
+
+    pub(crate) fn advance(&mut self, shown: [f64; 3], current: f64) {
+        let next = self.decay * self.state
+            + Observer::dot(self.from_states, shown)
+            + self.from_current * current;
+        self.state = Observer::rounded(next, self.units[0]);
+    }
+}
+
 /// The committed module with the observer that the generator emits for a time constant of 1 s.
 fn certificate() -> Value {
     let text = std::fs::read_to_string("../generated/certificate.json").unwrap();

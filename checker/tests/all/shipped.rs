@@ -9,13 +9,14 @@ use std::sync::OnceLock;
 use checker::certificate::reader::Certificate;
 use checker::claims::closed_loop_second;
 use checker::claims::control_law::EmittedLaw;
-use checker::claims::emitted_observer::EmittedObserver;
 use checker::claims::loop_as_shipped::inertial::InertialErrors;
 use checker::claims::loop_as_shipped::{self, NoBounds, ShippedLoop};
 use checker::prove::Emitted;
 use checker::{ClaimOutcome, Module};
 use num_rational::BigRational;
 use num_traits::ToPrimitive;
+
+use crate::observer::Observer;
 
 fn emitted() -> (Certificate, EmittedLaw) {
     let folder = Path::new("../generated");
@@ -65,64 +66,6 @@ impl Draws {
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
-/// The observer of the angle's bias, stepped in the words that it computes.
-#[derive(Clone, Copy)]
-pub(crate) struct Observer {
-    decay: f64,
-    direct: [f64; 3],
-    from_states: [f64; 3],
-    from_current: f64,
-    /// One over the unit of its state and over that of the estimate; infinite without rounding.
-    units: [f64; 2],
-    state: f64,
-}
-
-impl Observer {
-    pub(crate) fn of(own: &EmittedObserver, is_rounded: bool) -> Observer {
-        Observer {
-            decay: real(&own.decay),
-            direct: own.direct.each_ref().map(real),
-            from_states: own.from_states.each_ref().map(real),
-            from_current: real(&own.from_current),
-            units: if is_rounded {
-                [30, 29].map(|bits| 2.0_f64.powi(bits))
-            } else {
-                [f64::INFINITY; 2]
-            },
-            state: 0.0,
-        }
-    }
-
-    fn rounded(value: f64, per_unit: f64) -> f64 {
-        if per_unit.is_finite() {
-            (value * per_unit).round() / per_unit
-        } else {
-            value
-        }
-    }
-
-    fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-        a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-    }
-
-    /// Before the start it sees no bias.
-    pub(crate) fn waits(&mut self, shown: [f64; 3]) {
-        self.state = Observer::rounded(-Observer::dot(self.direct, shown), self.units[0]);
-    }
-
-    pub(crate) fn estimate(&self, shown: [f64; 3]) -> f64 {
-        let bias = self.state + Observer::dot(self.direct, shown);
-        Observer::rounded(bias, self.units[1]).clamp(-0.1, 0.1)
-    }
-
-    pub(crate) fn advance(&mut self, shown: [f64; 3], current: f64) {
-        let next = self.decay * self.state
-            + Observer::dot(self.from_states, shown)
-            + self.from_current * current;
-        self.state = Observer::rounded(next, self.units[0]);
     }
 }
 
