@@ -9,9 +9,15 @@ needs no filter.
 
 from fractions import Fraction
 
-from motion import Contradiction, NotShown, root, short
+from motion import STATE_BITS, Contradiction, NotShown, root, short
 
 PI = Fraction(355, 113)  # above pi, by less than a ten-millionth of it
+
+
+def step_of(sensor):
+    """The step of its words in counts: that of a left-justified word is the power of two which divides its ends."""
+    clips = [abs(clip) for clip in sensor["clip_counts"] if clip]
+    return min((clip & -clip for clip in clips), default=1)
 
 
 class Errors:
@@ -38,6 +44,12 @@ class Errors:
             sum(abs(x) * y for x, y in zip(gains, words)) + unit for gains in (plant.held, plant.n)
         )
         self.rounding += duty
+        self.observer = plant.direct
+        if self.observer:
+            # The observer knows the command with its errors, but not what the duty adds. The shown bias is rounded to half a word.
+            self.words, self.own = words, unit + abs(plant.of_bias) * words[0] / 2
+            self.rounding, self.asked_rounding = duty, Fraction(0)
+            self.bias_limit = Fraction(certificate["bias_observer"]["limit_rad"]) - words[0]
         self.reading = self.at_rest = Fraction(0)
         self.t, self.pivot, self.direct, self.angle_range = plant.t, plant.pivot is not None, None, None
         if self.pivot:
@@ -50,7 +62,7 @@ class Errors:
     def on_the_pivot(self, certificate, plant, steps):
         """The errors of an encoder on the pivot: of a reading, and so of the rate, which is the difference of two."""
         count = 2 * PI / abs(Fraction(plant.pivot["counts_per_turn"]))
-        self.reading, self.at_rest, self.of_reading = count * steps, count / 2, abs(plant.of_reading)
+        self.reading, self.at_rest = count * steps, count / 2
         self.rate = 2 * self.reading / (plant.shown * self.t) + self.rate_word
         ranges = [Fraction(entry["range"]) for entry in certificate["inputs"]]
         wrap = 2 ** plant.pivot["bits"] * count * Fraction(99, 100)
@@ -58,12 +70,16 @@ class Errors:
         self.angle_range = min(ranges[0], wrap / 2) - self.reading
 
     def counts(self, certificate):
-        """The errors of an angle and a rate that are off by half a count of accelerometer and gyroscope."""
+        """The errors of an angle and a rate that are off by half a step of accelerometer and gyroscope."""
         hardware = certificate["hardware"]
-        size = lambda line: sum(abs(Fraction(x)) for x in line) / 2
-        *plane, _ = [size(line) for line in hardware["accelerometer"]["matrix"]]
+
+        def half_steps(name):
+            step = Fraction(step_of(hardware[name]), 2)
+            return [sum(abs(Fraction(x)) for x in line) * step for line in hardware[name]["matrix"]]
+
+        *plane, _ = half_steps("accelerometer")
         angle = max(plane) / Fraction(hardware["gravity_m_s2"])
-        self.direct = angle, size(hardware["gyroscope"]["matrix"][2]) + self.rate_word
+        self.direct = angle, half_steps("gyroscope")[2] + self.rate_word
         ranges = [Fraction(entry["range"]) for entry in certificate["inputs"]]
         self.angle_range, self.rate_range = ranges[0] - angle, ranges[1]
 
@@ -71,9 +87,8 @@ class Errors:
         """The errors of gyroscope and accelerometer."""
 
         def sensor(name):
-            clips = [abs(clip) for clip in hardware[name]["clip_counts"] if clip]
-            step = min((clip & -clip for clip in clips), default=1)
-            axes = [sum(abs(Fraction(x)) for x in line) * steps * step for line in hardware[name]["matrix"]]
+            step = steps * step_of(hardware[name])
+            axes = [sum(abs(Fraction(x)) for x in line) * step for line in hardware[name]["matrix"]]
             return max(axes), root(sum(axis * axis for axis in axes), True)
 
         self.gyro_axis, self.gyro = sensor("gyroscope")
@@ -133,17 +148,39 @@ class Errors:
             return self.direct[1]
         return self.rate if self.pivot else self.gyro_axis + self.drift + self.age * acceleration + self.rate_word
 
-    def weighted(self, gains, acceleration, rate):
-        """All errors of the command but those of a reading of the pivot's encoder."""
-        wheel = abs(gains[2]) * self.wheel
-        if self.pivot:
-            return wheel
+    def parts(self, acceleration, rate):
+        """By how much angle, rate and wheel speed are off, where no encoder is on the pivot."""
         angle = self.direct[0] if self.direct else self.filter(acceleration, rate)
-        return abs(gains[0]) * angle + abs(gains[1]) * self.off(acceleration) + wheel
+        return [angle, self.off(acceleration), self.wheel]
 
-    def at_once(self):
-        """What an error of a reading does to the command of its own sample."""
-        return self.of_reading * self.reading if self.pivot else Fraction(0)
+    def weighted(self, gains, acceleration, rate):
+        """All errors of the command but those that are inputs of one sample."""
+        if self.pivot:
+            return abs(gains[2]) * self.wheel
+        if self.observer:
+            return Fraction(0)
+        return sum(abs(x) * y for x, y in zip(gains, self.parts(acceleration, rate)))
+
+    def of_sample(self, acceleration, rate):
+        """The sizes of the inputs of one sample (`Plant.readings`)."""
+        if self.pivot:
+            return [self.reading]
+        if not self.observer:
+            return []
+        shown = [part + word for part, word in zip(self.parts(acceleration, rate), self.words)]
+        return shown + [self.own, Fraction(1, 2 ** (STATE_BITS + 1))]
+
+
+    def waiting(self, plant, acceleration, rate):
+        """By how much the bias that an observer sees at rest, before the start, and its state may be off."""
+        if not self.observer:
+            return Fraction(0)
+        sizes = self.of_sample(acceleration, rate)
+        return added(plant.direct, sizes) + self.words[0] / 2 + sizes[-1]
+
+
+def added(gains, sizes):
+    return sum(abs(x) * y for x, y in zip(gains, sizes))
 
 
 def settled(plant, errors, rows, current):
@@ -165,37 +202,46 @@ def settled(plant, errors, rows, current):
         raise NotShown("the motion between two samples does not settle")
     plain = max(rows[5], rows[6]) + sum(abs(x) * (y - z) for x, y, z in zip(plant.a[1], b, rows))
     plain += plant.dry + sine(b[0]) + strength * plant.wheel_dry
-    noise = Fraction(0)
+    of_held = [at_once for at_once, _, _ in plant.readings]
+    noise = at_once = Fraction(0)
     for _ in range(200):
-        acceleration = plain + abs(plant.b[1]) * (noise + errors.at_once())
+        acceleration = plain + abs(plant.b[1]) * (noise + at_once)
         more = errors.weighted(plant.held, acceleration, b[1]) + errors.rounding + plant.current_off
-        if more <= noise:
-            return b, acceleration, noise
-        noise = short(more * (1 + Fraction(1, 1 << 30)))
+        sizes = errors.of_sample(acceleration, b[1])
+        if more <= noise and added(of_held, sizes) <= at_once:
+            return b, acceleration, noise, at_once
+        noise, at_once = (short(x * (1 + Fraction(1, 1 << 30))) for x in (more, added(of_held, sizes)))
     raise NotShown("the age of the gyroscope's readings feeds on itself")
 
 
-def following(plant, responses, errors, rows, start, before):
+def following(plant, responses, errors, rows, start, is_start):
     """What bounds follow at the next sample from those that held until now; states between, current, what is within."""
     sine = lambda angle: plant.g * angle**3 / 6
     # Nothing above the end of the drive; and by that, nothing above what is to be held and its error.
     end = plant.reach + plant.current_off + errors.rounding
-    _, _, noise = settled(plant, errors, rows, end)
-    b, acceleration, noise = settled(plant, errors, rows, min(end, rows[3] + noise + errors.at_once()))
-    body, late = plant.dry + sine(b[0]), (rows[4] + errors.at_once()) * plant.delay_off
-    sums = responses.sums
+    _, _, noise, at_once = settled(plant, errors, rows, end)
+    b, acceleration, noise, at_once = settled(plant, errors, rows, min(end, rows[3] + noise + at_once))
+    body, late = plant.dry + sine(b[0]), (rows[4] + at_once) * plant.delay_off
+    sums, sizes = responses.sums, errors.of_sample(acceleration, b[1])
+    of_bias = errors.waiting(plant, acceleration, b[1])
+    before = errors.at_rest + of_bias if is_start else Fraction(0)
     found = [
         short(
             start * responses.peak[i] + sums[0][i] * (noise + late) + sums[1][i] * body
-            + sums[2][i] * plant.wheel_dry + responses.reading[i] * errors.reading
+            + sums[2][i] * plant.wheel_dry + added([reading[i] for reading in responses.reading], sizes)
             + responses.before[i] * before + responses.kick[i] * responses.first * start * plant.delay_off
         )
-        for i in range(8)
+        for i in range(9)
     ]  # fmt: skip
-    asked = found[7] + errors.weighted(plant.n, acceleration, b[1]) + errors.at_once() + errors.asked_rounding
+    asked = found[7] + errors.weighted(plant.n, acceleration, b[1]) + errors.asked_rounding
+    asked += added([command for _, command, _ in plant.readings], sizes)
     inside = b[1] + errors.off(acceleration) < errors.rate_range
-    inside = inside and (plant.voltage is None or found[3] + noise + errors.at_once() < plant.reach)
+    inside = inside and (plant.voltage is None or found[3] + noise + at_once < plant.reach)
     inside = inside and (errors.angle_range is None or b[0] < errors.angle_range)
+    if plant.direct:
+        # Neither the bias nor the observer's state, which is the bias less l y, comes to the end of its range.
+        state = found[8] + 2 * of_bias + added(plant.direct, b)
+        inside = inside and found[8] + of_bias < errors.bias_limit and state < Fraction(199, 100)
     return found, b, asked, inside and b[2] + errors.wheel < errors.wheel_range
 
 
@@ -204,7 +250,7 @@ def closing(plant, responses, errors, start):
     rows = [short(start * x + y * errors.at_rest) for x, y in zip(responses.peak, responses.before)]
     for _ in range(200):
         try:
-            found, b, asked, inside = following(plant, responses, errors, rows, start, errors.at_rest)
+            found, b, asked, inside = following(plant, responses, errors, rows, start, True)
         except NotShown:
             return None
         if not inside or asked >= plant.limit or b[0] * plant.g >= abs(plant.b[1]) * plant.limit:
@@ -229,7 +275,7 @@ def largest_start(plant, responses, errors):
 def kept_up(plant, responses, errors, rows):
     """The bounds that every motion within `rows` comes to, and then keeps: states between samples, and the command."""
     for _ in range(200):
-        found, b, asked, _ = following(plant, responses, errors, rows, Fraction(0), Fraction(0))
+        found, b, asked, _ = following(plant, responses, errors, rows, Fraction(0), False)
         done = all(new * (1 + Fraction(1, 1 << 12)) >= old for new, old in zip(found, rows))
         rows = [min(x, y) for x, y in zip(found, rows)]
         if done:

@@ -23,7 +23,7 @@ from fractions import Fraction
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 from closing import Errors, closing, digits, kept_up, largest_start
-from motion import Contradiction, NotShown, Plant, Responses, run, words_of
+from motion import Contradiction, NotShown, Plant, Responses, observer_words, run, words_of
 
 MODEL = {
     "total_inertia", "wheel_inertia", "gravity_torque", "torque_constant",
@@ -38,8 +38,6 @@ OTHER = {
 
 def of_parameters(certificate):
     """The plant of the stated parameters, under the emitted gains."""
-    if certificate["bias_observer"] is not None:
-        raise NotShown("the module has an observer of the angle's bias")
     p = {entry["name"]: Fraction(entry["value"]) for entry in certificate["parameters"]}
     for name in p:
         if name not in MODEL | OTHER:
@@ -60,7 +58,7 @@ def of_parameters(certificate):
     if abs(Fraction(certificate["plant"]["A"][1][0]) - g) > g / 10**5:
         raise Contradiction("A[1][0] is not the gravity of the parameters")
     gains, _ = words_of(certificate)
-    plant = Plant(certificate, gains, a, b, [zero, 1 / d, -lever], Fraction(1, 8))
+    plant = Plant(certificate, gains, a, b, [zero, 1 / d, -lever], Fraction(1, 8), observer_words(certificate))
     plant.dry = max(of("body_coulomb_torque"), of("body_breakaway_torque")) / d
     plant.wheel_dry = of("wheel_coulomb_torque") + of("cogging_torque")
     plant.current_off = of("dead_zone") + of("current_offset")

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The claims `closed-loop-for-all-time` and `region-of-attraction` a second time, where an encoder has a window and the starts are
-at rest: python3 loop_from_rest.py certificate.json
+"""The claims `closed-loop-for-all-time` and `region-of-attraction` a second time, where an encoder has a window, or the module an
+observer of the angle's bias, and the starts are at rest: python3 loop_from_rest.py certificate.json
 
 Nothing here is shared with the checker in Rust. It reads the certificate alone; that the source has the stated
 words is for `flywheel prove` to show.
@@ -14,7 +14,8 @@ z the states of the emitted loop (`motion.py`), z' those of the loop with the ga
     e = z - z',    e+ = F e + B (v + (N + K) z') + readings,
 
 v the rounding of words, duty and counts. z' keeps the bounds of its own start, which follow from themselves (`closing.py`), and so
-|(N + K) z'| is bounded; the sum of all responses bounds e for all time.
+|(N + K) z'| is bounded; the sum of all responses bounds e for all time. An observer in real numbers has the decimals of the
+certificate, and what its words make of z' besides is one more input of the observer's state.
 
 The region: the same bounds with gravity as a sine, from the largest start for which they keep themselves, and those that every
 such motion comes to and then keeps.
@@ -30,8 +31,10 @@ from fractions import Fraction
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
-from closing import Errors, closing, digits, kept_up, largest_start
-from motion import Contradiction, NotShown, Plant, Responses, exponential, real, run, short, words_of
+from closing import Errors, added, closing, digits, kept_up, largest_start
+from motion import (
+    Contradiction, NotShown, Plant, Responses, exponential, observer_decimals, observer_words, real, run, short, words_of,
+)  # fmt: skip
 
 
 def check_sampling(a, b, ad, bd, period):
@@ -43,6 +46,16 @@ def check_sampling(a, b, ad, bd, period):
         for stated, found in zip(ad[i] + [bd[i]], sampled[i][:3] + [held[i]]):
             if abs(stated - real(found)) > abs(real(found)) / 10**12 + Fraction(1, 10**20):
                 raise Contradiction("Ad and Bd are not those of A and B")
+
+
+def check_observer(observer, ad, bd):
+    """The stated numbers observe the stated plant: m + l Ad = d l, f = -l Bd, d + l (I - Ad) e_1 = 1."""
+    decay, direct, into, of_current = observer
+    moved = [sum(x * row[j] for x, row in zip(direct, ad)) for j in range(3)]
+    checks = [[x, y, -decay * z] for x, y, z in zip(into, moved, direct)]
+    checks += [[of_current] + [x * y for x, y in zip(direct, bd)], [decay, direct[0], -moved[0], Fraction(-1)]]
+    if not 0 < decay < 1 or any(abs(sum(terms)) > sum(map(abs, terms)) / 2**46 for terms in checks):
+        raise Contradiction("the observer is not one of Ad and Bd")
 
 
 def as_stated(certificate):
@@ -69,7 +82,11 @@ def as_stated(certificate):
         if abs(found - wanted) > abs(wanted) / 10**5:
             raise Contradiction(f"{what} is not that of the parameters")
     none = [Fraction(0)] * 3
-    plants = [Plant(certificate, gains, a, b, none, Fraction(0)) for gains in (emitted, minus_k)]
+    observers = [observer_words(certificate), observer_decimals(certificate)]
+    if observers[1] is not None:
+        check_observer(observers[1], matrix(stated["Ad"]), vector(stated["Bd"]))
+    both = zip((emitted, minus_k), observers)
+    plants = [Plant(certificate, gains, a, b, none, Fraction(0), observer) for gains, observer in both]
     if drive["voltage"] is not None:
         held = [row[:3] for row in plants[0].a[:3]]
         check_sampling(held, b, matrix(drive["voltage"]["Ad"]), vector(drive["voltage"]["Bd"]), period)
@@ -84,31 +101,42 @@ def straight(plant):
 
 
 def difference(plant, responses, errors, apart):
-    """Bounds of e at the samples, and of the command's difference, where the held inputs differ by up to `apart` besides."""
+    """Bounds of e at the samples, and of the command's difference, where the held inputs and the observers differ by up to `apart`
+    besides."""
     still = Fraction(0)
-    noise = errors.weighted(plant.held, still, still) + errors.rounding + apart
+    noise = errors.weighted(plant.held, still, still) + errors.rounding + apart[0]
+    sizes, waiting = errors.of_sample(still, still), errors.waiting(plant, still, still)
+    if plant.direct:
+        sizes[-1] += apart[1]
     of_row = lambda i: (
-        responses.sums[0][i] * noise + responses.reading[i] * errors.reading + responses.before[i] * errors.at_rest
-    )
-    own = errors.weighted(plant.n, still, still) + errors.asked_rounding + errors.at_once() + apart
+        responses.sums[0][i] * noise + added([reading[i] for reading in responses.reading], sizes)
+        + responses.before[i] * (errors.at_rest + waiting)
+    )  # fmt: skip
+    own = errors.weighted(plant.n, still, still) + errors.asked_rounding + apart[0]
+    own += added([command for _, command, _ in plant.readings], sizes)
     return [of_row(0), of_row(1), of_row(2), of_row(7) + own]
 
 
 def check(certificate):
     hardware = certificate["hardware"]
-    if hardware.get("body_encoder") is None and hardware["wheel_speed"]["encoder"] is None:
-        raise NotShown("no encoder has a window: closed_loop.py checks this module")
-    if certificate["bias_observer"] is not None:
-        raise NotShown("the module has an observer of the angle's bias")
+    encoders = hardware.get("body_encoder"), hardware["wheel_speed"]["encoder"]
+    if encoders == (None, None) and certificate["bias_observer"] is None:
+        raise NotShown("no encoder has a window, and there is no observer: closed_loop.py checks this module")
     emitted, exact = as_stated(certificate)
     errors = Errors(certificate, emitted, False, is_direct=True)
     responses, of_exact = Responses(emitted, 0), Responses(exact, 0)
 
     linear, linear_exact = straight(emitted), straight(exact)
     start = min(largest_start(linear, responses, errors), largest_start(linear_exact, of_exact, errors))
-    _, between, _ = closing(linear_exact, of_exact, errors, start)
-    apart = sum(abs(x - y) * bound for x, y, bound in zip(emitted.n, exact.n, between))
-    off = difference(linear, responses, errors, short(apart))
+    rows, between, _ = closing(linear_exact, of_exact, errors, start)
+    apart = [added([x - y for x, y in zip(emitted.n, exact.n)], between), Fraction(0)]
+    if exact.direct:
+        # The bias that the real observer shows, errors included, less l y.
+        state = rows[8] + added(exact.direct, between) + errors.waiting(exact, Fraction(0), Fraction(0))
+        apart[0] += abs(emitted.of_bias - exact.of_bias) * state
+        apart[1] = added([x - y for x, y in zip(emitted.into, exact.into)], between)
+        apart[1] += abs(emitted.decay - exact.decay) * state
+    off = difference(linear, responses, errors, [short(x) for x in apart])
     _, between, command = closing(linear, responses, errors, start)
     said = f"from rest up to {float(start):.5f} rad: within {digits(between + [command])}, differs by {digits(off)}"
 

@@ -15,8 +15,14 @@ An encoder on the pivot shows the angle, off by e, and (angle - angle n steps ag
 the last n steps are states of z, so that an error e acts on the angle and the rate of its sample, and n steps later on the rate
 alone. The readings of the window before the start are off by half a count: each acts once, in the first n steps.
 
+An observer of the angle's bias is a state of z too. With y what is shown of x, the emitted words give the bias s + l y, the command
+u = N (y - (s + l y) e_1) and the next s = d s + m y + f u. With N' = N - N_1 l the command is N' y - N_1 s, and
+s+ = (d - f N_1) s + (m + f N') y. At rest it waits at s = -l y, so that it sees no bias. It knows the command with all its errors:
+an error of y, or of the sum that is the command, acts on the command and on s together. These are inputs of their own, and
+so is the rounding of s.
+
 For a row C and an input v, T (|C v| + |C F v| + |C F^2 v| + ...) bounds what the input does. Later terms than
-those added up are bounded by a power of F whose weighted norm is at most 1/2.
+those added up are bounded by a power of F whose weighted norm is at most 1/4.
 """
 
 import json
@@ -83,15 +89,53 @@ def words_of(certificate):
     return gains, limit
 
 
+STATE_BITS = 30  # of the observer's word
+
+
+def observer_words(certificate):
+    """The observer's numbers (d, l, m, f) as its words have them; None without one. All products have as many bits after the point as
+    let their sums stay within 64 bits."""
+    stated = certificate["bias_observer"]
+    if stated is None:
+        return None
+    bits = [entry["fraction_bits"] for entry in certificate["inputs"]]
+    of_current = certificate["output"]["fraction_bits"]
+    for product in range(60, max(STATE_BITS, bits[0]), -1):
+        word = lambda text, own: round(Fraction(text) * 2 ** (product - own))
+        decay, current = word(stated["decay"], STATE_BITS), word(stated["from_current"], of_current)
+        direct, into = ([word(x, own) for x, own in zip(stated[key], bits)] for key in ("direct", "from_states"))
+        sums = 2 ** (product - STATE_BITS) + sum(map(abs, direct)), abs(decay) + abs(current) + sum(map(abs, into))
+        if max(sums) < 2**31:
+            number = lambda value, own: Fraction(value, 2 ** (product - own))
+            of_states = lambda values: [number(value, own) for value, own in zip(values, bits)]
+            return number(decay, STATE_BITS), of_states(direct), of_states(into), number(current, of_current)
+    raise Contradiction("the numbers of the observer fit no words")
+
+
+def observer_decimals(certificate):
+    """The same as they are stated, in real numbers."""
+    stated = certificate["bias_observer"]
+    if stated is None:
+        return None
+    vector = lambda entries: [Fraction(entry) for entry in entries]
+    return Fraction(stated["decay"]), vector(stated["direct"]), vector(stated["from_states"]), Fraction(stated["from_current"])
+
+
 class Plant:
     """A, B, gains, and the sizes of what acts on them."""
 
-    def __init__(self, certificate, gains, a, b, e_w, delay_off):
-        """A 3 x 3 and B of the current, the gains N, e_w, and by how much of a sample a delay may be off."""
+    def __init__(self, certificate, gains, a, b, e_w, delay_off, observer=None):
+        """A 3 x 3 and B of the current, the gains N, e_w, by how much of a sample a delay may be off, and the observer's numbers."""
         zero, one = Fraction(0), Fraction(1)
         self.a = [row + [zero] for row in a] + [[zero, zero, one, zero]]  # the wheel's angle
         self.b, self.n, self.delay_off = b + [zero], gains, delay_off
-        self.g = a[1][0]
+        self.g, self.direct = a[1][0], None
+        if observer is not None:
+            decay, self.direct, into, of_current = observer
+            self.of_bias = gains[0]
+            self.n = [x - gains[0] * y for x, y in zip(gains, self.direct)]
+            self.decay, self.of_current = decay - of_current * gains[0], of_current
+            self.into = [x + of_current * y for x, y in zip(into, self.n)]
         _, self.limit = words_of(certificate)
         self.reach = self.limit
         self.t = Fraction(certificate["sample_time_s"])
@@ -118,12 +162,20 @@ class Plant:
         self.shown = 0 if encoder is None else encoder["window"]
         if encoder is not None and not 1 <= self.shown <= 16:
             raise Contradiction("the window of the encoder on the pivot is not 1 to 16 steps")
+        if encoder is not None and observer is not None:
+            raise Contradiction("an observer of the angle's bias belongs to gyroscope and accelerometer")
         self.of_reading = self.n[0] + self.n[1] / (self.shown * self.t) if encoder else Fraction(0)
+        # Inputs of one sample: what 1 of each does to what the drive holds, to the command, and to the observer's state.
+        self.readings = []
+        if encoder is not None:
+            self.readings = [(self.of_reading, self.of_reading, zero)]
+        if observer is not None:
+            self.readings = [*zip(self.held, self.n, self.into), (one, one, of_current), (zero, zero, one)]
         self.dry = self.wheel_dry = self.current_off = zero
         self.inputs = [self.b, [zero, one, -one, zero], e_w + [zero]]
 
-    def row(self, gains):
-        """Gains of the states as a row of z."""
+    def row(self, gains, of_observer=0):
+        """Gains of the states, and of the observer's state, as a row of z."""
         found = gains + [Fraction(0)]
         if self.window is not None:
             turn = gains[2] / (self.window * self.t)
@@ -132,12 +184,12 @@ class Plant:
             slope = gains[1] / (self.shown * self.t)
             found[:2] = [gains[0] + slope, Fraction(0)]
             found += [Fraction(0)] * (self.shown - 1) + [-slope]
-        return found
+        return found + ([Fraction(of_observer)] if self.direct else [])
 
     def column(self, change):
         """A change of the plant's states as one of z: the turn counts in the window and as the newest."""
         window = self.window or 0
-        return change[:3] + [0] + ([change[3]] * 2 + [0] * window)[:window] + [0] * self.shown
+        return change[:3] + [0] + ([change[3]] * 2 + [0] * window)[:window] + [0] * (self.shown + bool(self.direct))
 
 
 class Responses:
@@ -145,10 +197,12 @@ class Responses:
 
     def __init__(self, plant, eighths):
         t, n, turns = plant.t, plant.held, 4 + (plant.window or 0)
-        order = turns + plant.shown
+        shown = turns + plant.shown
+        order = shown + bool(plant.direct)
         ad, whole = exponential(plant.a, plant.b, t)
         _, new = exponential(plant.a, plant.b, t * (8 - eighths) / 8)
-        exact = plant.row(n)
+        of_bias = -plant.of_bias if plant.direct else 0
+        exact, asked = plant.row(n, of_bias), plant.row(plant.n, of_bias)
         row = [grid(x) for x in exact]
 
         def moved(i):
@@ -163,18 +217,20 @@ class Responses:
         if plant.window is not None:
             f.append([x + ONE * (4 < j < turns) for j, x in enumerate(moved(3))])
             f += [moved(3) if place == 5 else unit(place - 1) for place in range(5, turns)]
-        f += [unit(0 if place == turns else place - 1) for place in range(turns, order)]
+        f += [unit(0 if place == turns else place - 1) for place in range(turns, shown)]
+        if plant.direct:
+            f.append([grid(x) for x in plant.row(plant.into, plant.decay)])
         turn = abs(exact[4]) if plant.window else Fraction(0)
         speed = turn * t * plant.window if plant.window else abs(n[2])
         weights = [abs(exact[0]), abs(exact[1]), speed, Fraction(1)] + [turn] * (turns - 4)
-        weights += [abs(exact[-1])] * plant.shown
+        weights += [abs(exact[-1])] * (order - turns)
         weights = [weight or Fraction(1) for weight in weights]
         ratios = [[-(-x.numerator * y.denominator * ONE // (x.denominator * y.numerator)) for y in weights] for x in weights]
         norm = lambda m: real(
             max(sum(abs(x) * y >> BITS for x, y in zip(*lines) if x) for lines in zip(m, ratios))
         ) * (1 + Fraction(1, 1 << 40)) + Fraction(1, 1 << 60)
         power, m = f, 1
-        while (q := norm(power)) > Fraction(1, 2):
+        while (q := norm(power)) > Fraction(1, 4):
             if m > 1 << 17:
                 raise NotShown("with viscous friction alone the loop is not stable, or too slow")
             power, m = times(power, power), 2 * m
@@ -196,9 +252,12 @@ class Responses:
         fall = fall[:3] + [Fraction(0)] * (order - 3)
         rows = [unit(0), unit(1), unit(2), row, [x - ONE * (j == 3) for j, x in enumerate(row)]]
         rows += [[grid(x) for x in fall[:3] + [push] + fall[4:]]]
-        rows += [[grid(x + push * y) for x, y in zip(fall, exact)], [grid(x) for x in plant.row(plant.n)]]
-        # At rest the encoder on the pivot has shown the start all the time.
-        columns, later = [[ONE * (j == 0 or j >= turns) for j in range(order)]], []
+        rows += [[grid(x + push * y) for x, y in zip(fall, exact)], [grid(x) for x in asked]]
+        rows += [[grid(x) for x in plant.row(plant.direct, 1)] if plant.direct else [0] * order]
+        # At rest the encoder on the pivot has shown the start all the time, and the observer sees no bias.
+        columns, later = [[ONE * (j == 0 or turns <= j < shown) for j in range(order)]], []
+        if plant.direct:
+            columns[0][-1] = grid(-plant.direct[0])
         for v in plant.inputs:
             size = Fraction(0)
             for k in range(LATER):
@@ -212,22 +271,30 @@ class Responses:
         if reach >= 1:
             raise NotShown("the sample time is too long: |A| T is above 1")
         beyond = reach**LATER / factorial(LATER) / (1 - reach)
-        peak, kick, sums = [0] * 8, [0] * 8, [[0] * 8 for _ in range(3)]
-        first, steps = 0, 16 * m
+        count = len(rows)
+        peak, kick, sums = [0] * count, [0] * count, [[0] * count for _ in range(3)]
+        first, steps = 0, 8 * m
         # What does not act on the wheel is not carried along.
         acting = 3 if plant.wheel_dry else 2
         columns = columns[: 1 + PARTS * acting]
-        # An error of 1 rad of one reading: at once, and in the angles that the encoder has shown.
-        error = grid(plant.of_reading)
-        change = [new[i] * error >> BITS for i in range(4)]
-        reading = plant.column(change)
-        reading[3] = error
-        if plant.shown:
-            reading[turns] = ONE
-            columns += [reading, unit(order - 1)]
-        reads, before, recent = [0] * 8, [0] * 8, [[0] * max(1, plant.shown) for _ in range(8)]
+        # Errors of one sample: at once, in the angles that the encoder has shown, and in the observer's state. The last column is an
+        # error before the start, which acts once.
+        reads = len(plant.readings)
+        for at_once, _, into in plant.readings:
+            error = grid(at_once)
+            reading = plant.column([new[i] * error >> BITS for i in range(4)])
+            reading[3] = error
+            if plant.shown:
+                reading[turns] = ONE
+            else:
+                reading[-1] = grid(into)
+            columns.append(reading)
+        if reads:
+            columns.append(unit(order - 1))
+        reading, span = [[0] * count for _ in range(reads)], max(1, plant.shown)
+        before, recent = [0] * count, [[0] * span for _ in range(count)]
         places = [[(j, x) for j, x in enumerate(c) if x] for c in rows]
-        twins = [next(k for k in range(8) if rows[k] == c) for c in rows]
+        twins = [next(k for k in range(count) if rows[k] == c) for c in rows]
         # A line with a single one moves an entry on.
         moves = [(line[0][0], None) if len(line) == 1 and line[0][1] == ONE else (0, line) for line in lines]
         after = lambda column: [
@@ -251,9 +318,10 @@ class Responses:
                     sums[i][index] += term
                     if i == 0 and term > kick[index]:
                         kick[index] = term
-                if plant.shown:
-                    reads[index] += seen[index][-2]
-                    recent[index][step % plant.shown] = seen[index][-1]
+                if reads:
+                    for k in range(reads):
+                        reading[k][index] += seen[index][k - reads - 1]
+                    recent[index][step % span] = seen[index][-1]
                     before[index] = max(before[index], sum(recent[index]))
             columns = [after(column) for column in columns]
         largest = max(weights)
@@ -261,8 +329,7 @@ class Responses:
         drift = Fraction(1, 1 << (BITS - 40)) * largest * total
         size = lambda some: sum(max(w * real(abs(x)) for w, x in zip(weights, c)) for c in some) + drift
         late = [size(columns[:1])] + [size(columns[1 + PARTS * i : 1 + PARTS * (i + 1)]) for i in range(3)]
-        first_reading = 1 + PARTS * acting
-        late += [size(columns[first_reading : first_reading + 1]), size(columns[first_reading + 1 :])]
+        late += [size([column]) for column in columns[1 + PARTS * acting :]]
         norms = [sum(real(abs(x)) / w for x, w in zip(c, weights)) for c in rows]
 
         def settled(index, group, value):
@@ -272,12 +339,12 @@ class Responses:
                 found += (later[group - 1] + rest) * norms[index] * total
             return short(found)
 
-        self.peak = [settled(i, 0, peak[i]) for i in range(8)]
+        self.peak = [settled(i, 0, peak[i]) for i in range(count)]
         self.first = settled(4, 0, first)
-        self.sums = [[t * settled(i, j + 1, sums[j][i]) for i in range(8)] for j in range(3)]
-        self.kick = [t * settled(i, 1, kick[i]) for i in range(8)]
-        self.reading = [settled(i, 4, reads[i]) for i in range(8)]
-        self.before = [settled(i, 5, before[i]) for i in range(8)]
+        self.sums = [[t * settled(i, j + 1, sums[j][i]) for i in range(count)] for j in range(3)]
+        self.kick = [t * settled(i, 1, kick[i]) for i in range(count)]
+        self.reading = [[settled(i, 4 + k, reading[k][i]) for i in range(count)] for k in range(reads)]
+        self.before = [settled(i, 4 + reads, before[i]) if reads else Fraction(0) for i in range(count)]
 
 
 def run(check):

@@ -5,34 +5,19 @@
 //! within their limits, since [`any_counts`] stands in. A wish follows: arm, disarm, fault, or none. So the last step starts
 //! in any state: not aligned, ready, running, or tripped.
 //!
-//! What stands in is shown elsewhere: `observed` in [`crate::proofs_supervisor`]; the law in [`crate::proofs`]; lines here.
+//! What stands in is shown elsewhere: `observed` in [`crate::proofs_supervisor`]; the law in [`crate::proofs`]; lines in
+//! [`crate::proofs_lines`].
 
 #[cfg(not(voltage_drive))]
 use generated::constants::DUTY_LINE;
-#[cfg(voltage_drive)]
-use generated::constants::DUTY_PLANE;
 use generated::constants::{BODY_ANGLE_LINE, BODY_RATE_LINE, HOLDING_LINE, WHEEL_SPEED_LINE};
 use generated::line::{Line, on_line};
-#[cfg(voltage_drive)]
-use generated::plane::on_plane;
 use generated::supervisor::{Counters, Limits, Shown, observed};
-use generated::{Angle, CURRENT_LIMIT, Controller, Current, Rate, Sample, WheelSpeed};
+use generated::{CURRENT_LIMIT, Controller, Sample};
 
+use crate::proofs_lines::{any_command, any_on_line};
 use crate::properties;
 use crate::words::any_within;
-
-/// [`lines_in_range`] shows it for the lines of this bench.
-fn any_on_line(_word: i32, line: &Line) -> i32 {
-    let value = kani::any();
-    kani::assume((line.low..=line.high).contains(&value));
-    value
-}
-
-/// The harness `control_total` shows it.
-fn any_command(_angle: Angle, _rate: Rate, _speed: WheelSpeed) -> Current {
-    let [word] = any_within(CURRENT_LIMIT.to_bits());
-    Current::from_bits(word)
-}
 
 /// Any counts up to their limits; the harness `supervisor_observes` shows it.
 fn any_counts(_counters: &Counters, _shown: &Shown, limits: &Limits) -> Counters {
@@ -54,7 +39,7 @@ fn any_counts(_counters: &Counters, _shown: &Shown, limits: &Limits) -> Counters
 
 /// The lines of this bench.
 #[cfg(not(voltage_drive))]
-const LINES: [&Line; 5] = [
+pub(crate) const LINES: [&Line; 5] = [
     &BODY_ANGLE_LINE,
     &BODY_RATE_LINE,
     &HOLDING_LINE,
@@ -63,31 +48,12 @@ const LINES: [&Line; 5] = [
 ];
 /// The lines of this bench.
 #[cfg(voltage_drive)]
-const LINES: [&Line; 4] = [
+pub(crate) const LINES: [&Line; 4] = [
     &BODY_ANGLE_LINE,
     &BODY_RATE_LINE,
     &HOLDING_LINE,
     &WHEEL_SPEED_LINE,
 ];
-
-/// Any word on the lines of this bench.
-#[kani::proof]
-fn lines_in_range() {
-    for line in LINES {
-        let value = on_line(kani::any(), line);
-        kani::cover!(value == line.high, "the upper end");
-        assert!((line.low..=line.high).contains(&value));
-    }
-}
-
-/// Any words of current and wheel speed.
-#[cfg(voltage_drive)]
-#[kani::proof]
-fn plane_in_range() {
-    let value = on_plane(kani::any(), kani::any(), &DUTY_PLANE);
-    kani::cover!(value == DUTY_PLANE.high, "the upper end");
-    assert!((DUTY_PLANE.low..=DUTY_PLANE.high).contains(&value));
-}
 
 /// The angle by any count, and the rate by any turn.
 #[kani::proof]

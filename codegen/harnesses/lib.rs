@@ -22,6 +22,8 @@ mod proofs_attitude;
 #[cfg(any(body_encoder, wheel_encoder))]
 #[cfg(kani)]
 mod proofs_encoder;
+#[cfg(kani)]
+mod proofs_lines;
 #[cfg(not(any(body_encoder, wheel_encoder, voltage_drive)))]
 #[cfg(kani)]
 mod proofs_modes;

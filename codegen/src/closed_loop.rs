@@ -215,8 +215,8 @@ fn holdable_angle(spec: &ModuleSpec) -> f64 {
     }
 }
 
-/// The size of one count: for the accelerometer as an angle against gravity, for the gyroscope as a rate about the
-/// pivot axis, for the converter as a speed.
+/// The size of one step of a reading: for the accelerometer as an angle against gravity, for the gyroscope as a rate about the
+/// pivot axis, for the converter as a speed. A left-justified word moves by more than a count.
 fn sensor_steps(spec: &ModuleSpec) -> Option<[f64; 3]> {
     let attitude = spec.hardware.attitude()?;
     let rows = |matrix: &nalgebra::Matrix3<f64>, row: usize| {
@@ -224,10 +224,17 @@ fn sensor_steps(spec: &ModuleSpec) -> Option<[f64; 3]> {
     };
     let accel = rows(&attitude.accel.matrix, 0).max(rows(&attitude.accel.matrix, 1));
     Some([
-        accel / attitude.gravity_m_s2,
-        rows(&attitude.gyro.matrix, 2),
+        step_of(attitude.accel_clip) * accel / attitude.gravity_m_s2,
+        step_of(attitude.gyro_clip) * rows(&attitude.gyro.matrix, 2),
         spec.hardware.wheel_speed_per_count.abs(),
     ])
+}
+
+/// The step of a sensor's words in counts: the largest power of two that divides every count at which it clips.
+fn step_of(clips: [i32; 3]) -> f64 {
+    let zeros = clips.iter().filter(|clip| **clip != 0);
+    let shift = zeros.map(|clip| clip.trailing_zeros()).min().unwrap_or(0);
+    2f64.powi(shift as i32)
 }
 
 /// Searches γ and ε; P and γ of the ellipsoid with the largest volume.

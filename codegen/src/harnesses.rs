@@ -53,11 +53,12 @@ const HAS_ENCODER: fn(&Parts) -> bool =
     |parts| parts.has_body_encoder || parts.wheel == WheelPart::Encoder;
 
 /// Every source of the harness crate.
-const HARNESSES: [Harness; 19] = [
+const HARNESSES: [Harness; 20] = [
     harness!("lib.rs"),
     harness!("proofs.rs"),
     harness!("proofs_attitude.rs", IS_INERTIAL),
     harness!("proofs_encoder.rs", HAS_ENCODER),
+    harness!("proofs_lines.rs"),
     harness!("proofs_modes.rs", has_modes),
     harness!("proofs_product.rs"),
     harness!("proofs_step.rs", IS_INERTIAL),

@@ -143,8 +143,8 @@ fn law(controller: &GeneratedController) -> String {
     );
     if let Some(time) = controller.bias_time_constant_s {
         law.push_str(&format!(
-            "An observer finds a constant bias of the angle within about {} s and subtracts it;\nthe \
-             certificate states no bounds for all time, because these hold only without the observer\n",
+            "An observer finds a constant bias of the angle within about {} s and subtracts it;\n\
+             `prove` bounds the loop with it from starts at rest, and no ellipsoid is stated\n",
             significant(time, 3)
         ));
     }

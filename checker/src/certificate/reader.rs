@@ -302,7 +302,7 @@ pub struct CertifiedLoop {
     /// Largest |K x| in the set, rounded up (A).
     #[serde(rename = "command_A")]
     pub command: StatedDecimal,
-    /// Size of one count of the sensors: rad, rad/s, rad/s.
+    /// Size of one step of the sensors' readings: rad, rad/s, rad/s. A left-justified word moves by more than a count.
     pub sensor_steps: [StatedDecimal; 3],
     /// Largest acceleration of the wheel in the set (rad/s²), where an encoder shows its speed over a window; null where
     /// none does.

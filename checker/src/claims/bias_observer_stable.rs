@@ -9,12 +9,11 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
 use crate::certificate::reader::{Certificate, matrix, vector};
-use crate::claims::bias_observer_words::STATE_BITS;
-use crate::claims::control_law::{EmittedLaw, exponent};
-use crate::claims::named_words::NamedWords;
+use crate::claims::control_law::EmittedLaw;
+use crate::claims::emitted_observer::EmittedObserver;
 use crate::claims::outcome::ClaimOutcome;
 use crate::exact::matrices::{Vector, dot};
-use crate::exact::rational::{half, integer, power_of_two, rounded_up};
+use crate::exact::rational::{half, integer, rounded_up};
 use crate::language::module::Module;
 
 /// The share of a constant bias that may remain at rest.
@@ -52,31 +51,13 @@ pub fn check_loop(
     if certificate.bias_observer.is_none() {
         return Ok(None);
     }
-    let words = NamedWords::read(module, "BIAS_OBSERVER")?;
-    let small = |field: &str| words.small(&format!("BIAS_OBSERVER.{field}"));
-    // Real numbers again: of z with 2^−30 rad, of an estimate with the angle's unit.
-    let angle_bits = exponent(law.state_bits[0]);
-    let to_estimate = power_of_two(-small("angle_shift")? - angle_bits);
-    let to_state = power_of_two(-small("state_shift")? - STATE_BITS);
-    let number = |field: &str, bits: i32, unit: &BigRational| {
-        let word = words.get(&format!("BIAS_OBSERVER.{field}"))?;
-        Ok::<_, String>(word * unit * power_of_two(bits))
-    };
-    let mut direct: Vector = [0, 1, 2].map(|_| BigRational::zero());
-    let mut from_states = direct.clone();
-    for i in 0..3 {
-        let bits = exponent(law.state_bits[i]);
-        direct[i] = number(&format!("direct[{i}]"), bits, &to_estimate)?;
-        from_states[i] = number(&format!("from_states[{i}]"), bits, &to_state)?;
-    }
-    let unit = number("unit", STATE_BITS, &to_estimate)?;
-    let decay = number("decay", STATE_BITS, &to_state)?;
-    let from_current = number("from_current", exponent(law.current_bits), &to_state)?;
-
-    // u = N (y − (unit z + ℓᵀ y) e₁) = (N − N₁ ℓᵀ) y − N₁ unit z
-    let gains = &law.gains;
-    let of_states: Vector = [0, 1, 2].map(|j| &gains[j] - &gains[0] * &direct[j]);
-    let of_z = -(&gains[0] * unit);
+    let observer = EmittedObserver::read(module, law.state_bits, law.current_bits)?
+        .ok_or("src/constants.rs has no observer of the angle's bias")?;
+    let (of_states, into) = (
+        observer.of_readings(&law.gains),
+        observer.into_state(&law.gains),
+    );
+    let of_z = -law.gains[0].clone();
     let ad = matrix(&certificate.plant.ad);
     let bd = vector(&certificate.plant.bd);
     // Increments a step, M − I, of (x, z), and what a bias of 1 rad adds to them.
@@ -90,11 +71,9 @@ pub fn check_loop(
         step.push(row);
         of_bias.push(&bd[i] * &of_states[0]);
     }
-    let mut row: Vec<BigRational> = (0..3)
-        .map(|j| &from_states[j] + &from_current * &of_states[j])
-        .collect();
+    let mut row = into.to_vec();
     of_bias.push(row[0].clone());
-    row.push(decay + &from_current * &of_z - integer(1));
+    row.push(observer.own_decay(&law.gains) - integer(1));
     step.push(row);
 
     let period = &certificate.sample_time_s.value;
@@ -111,7 +90,7 @@ pub fn check_loop(
     // At rest: (M − I) (x, z) + n b = 0.
     let rest = solved(&step, &of_bias).ok_or("the loop with the observer has no state of rest")?;
     let measured: Vector = [&rest[0] + integer(1), rest[1].clone(), rest[2].clone()];
-    let estimate = number("unit", STATE_BITS, &to_estimate)? * &rest[3] + dot(&direct, &measured);
+    let estimate = &rest[3] + dot(&observer.direct, &measured);
     let left = (integer(1) - estimate).abs();
     if &left * integer(LEFT_MAX.into()) >= integer(1) {
         return Err(format!(

@@ -2,7 +2,7 @@
 //!
 //! Two loops start in the same state x₀. The first is the linear model under u = −K x in real numbers,
 //! x̄⁺ = F x̄ with F = Ad − Bd K. The second has the emitted law, with gains N (≈ −K). This law
-//! receives the state with an error δ, |δᵢ| ≤ hᵢ (rounding to words, or to counts and words), and rounds
+//! receives the state with an error δ, |δᵢ| ≤ hᵢ (rounding to words, or to a sensor's steps and words), and rounds
 //! its sum with an error ρ, |ρ| ≤ half a unit:
 //!
 //! u = N (x + δ) + ρ,   x⁺ = F̂ x + Bd v,   F̂ = Ad + Bd N,   v = N δ + ρ,   |v| ≤ V = Σ|Nᵢ| hᵢ + ½ unit.
@@ -95,7 +95,8 @@ pub fn by_exact_arithmetic(
     law: &EmittedLaw,
 ) -> (ClaimOutcome, Option<ClosedLoopBounds>) {
     let Some(stated) = &certificate.closed_loop else {
-        let why = "the certificate states none: no set was found that the perturbations cannot leave, or the module has an observer of the angle's bias, which the bound does not include";
+        let why =
+            "the certificate states none: no set was found that the perturbations cannot leave";
         return (ClaimOutcome::NotRun(why.to_owned()), None);
     };
     match check(certificate, stated, law) {

@@ -7,7 +7,9 @@
 //! h₃ = 1 − a t + b t² − c t³,  h₂ = a − 2 b t + 3 c t²,  h₁ = b − 3 c t,  h₀ = c,
 //!
 //! and all roots lie in the left half plane exactly if all four are positive and h₂ h₁ > h₃ h₀
-//! (Hurwitz). Using δ instead of z keeps the accuracy of the small difference z − 1.
+//! (Hurwitz). An observer of the angle's bias adds one state; a polynomial of degree four has all roots there exactly if
+//! h₀ … h₄ are positive and (h₃ h₂ − h₄ h₁) h₁ > h₃² h₀ (Liénard and Chipart). Using δ instead of z keeps the accuracy of the small
+//! difference z − 1.
 
 use num_rational::BigRational;
 
@@ -26,11 +28,12 @@ pub fn check_stable(certificate: &Certificate, law: &EmittedLaw) -> Result<(), S
     // The loop of the design, with the current held; `encoder-loop-stable` speaks of a voltage drive.
     let (ad, bd) = (matrix(&certificate.plant.ad), vector(&certificate.plant.bd));
     let delta = [0, 1, 2].map(|i| {
-        [0, 1, 2].map(|j| {
+        let row = [0, 1, 2].map(|j| {
             let identity = integer(i128::from(i == j));
             let entry = &ad[i][j] + &bd[i] * &law.gains[j];
             Enclosure::point(&((entry - identity) / t))
-        })
+        });
+        row.to_vec()
     });
     match judged(&delta, t) {
         Stability::Stable => Ok(()),
@@ -46,36 +49,73 @@ pub(crate) enum Stability {
     Undecided,
 }
 
-/// The five numbers of Hurwitz' criterion for the δ-form of a loop: it is stable exactly if all are positive.
-pub(crate) fn criterion<R: Number>(m: &[[R; 3]; 3], sample_time: &BigRational) -> [R; 5] {
-    let t = R::constant(&(sample_time * half()));
-    let minor = |i: usize, j: usize| m[i][i].times(&m[j][j]).minus(&m[i][j].times(&m[j][i]));
-    let a = m[0][0].plus(&m[1][1]).plus(&m[2][2]).negated();
-    let b = minor(0, 1).plus(&minor(0, 2)).plus(&minor(1, 2));
-    let cofactor = |i: usize, j: usize| m[1][i].times(&m[2][j]).minus(&m[1][j].times(&m[2][i]));
-    let determinant = m[0][0]
-        .times(&cofactor(1, 2))
-        .minus(&m[0][1].times(&cofactor(0, 2)))
-        .plus(&m[0][2].times(&cofactor(0, 1)));
-    let c = determinant.negated();
-
-    let t2 = t.times(&t);
-    let t3 = t2.times(&t);
-    let two = R::constant(&integer(2));
-    let three = R::constant(&integer(3));
-    let h3 = R::one()
-        .minus(&a.times(&t))
-        .plus(&b.times(&t2))
-        .minus(&c.times(&t3));
-    let h2 = a
-        .minus(&two.times(&b).times(&t))
-        .plus(&three.times(&c).times(&t2));
-    let h1 = b.minus(&three.times(&c).times(&t));
-    let cross = h2.times(&h1).minus(&h3.times(&c));
-    [h3, h2, h1, c, cross]
+/// Sum of the minors of a matrix that take `order` of its rows and the same columns.
+fn principal_minors<R: Number>(m: &[Vec<R>], order: usize) -> R {
+    let subsets = (0_u32..1 << m.len()).filter(|set| set.count_ones() as usize == order);
+    subsets.fold(R::nothing(), |sum, set| {
+        let places: Vec<usize> = (0..m.len()).filter(|i| set >> i & 1 == 1).collect();
+        sum.plus(&minor(m, &places, &places))
+    })
 }
 
-/// The conclusion from the five numbers.
+/// The minor of some rows and columns, by its first row.
+fn minor<R: Number>(m: &[Vec<R>], rows: &[usize], columns: &[usize]) -> R {
+    let Some((first, rows)) = rows.split_first() else {
+        return R::one();
+    };
+    let mut sum = R::nothing();
+    for (index, column) in columns.iter().enumerate() {
+        let others: Vec<usize> = columns.iter().filter(|c| *c != column).copied().collect();
+        let term = m[*first][*column].times(&minor(m, rows, &others));
+        sum = if index % 2 == 0 {
+            sum.plus(&term)
+        } else {
+            sum.minus(&term)
+        };
+    }
+    sum
+}
+
+/// The numbers of the criterion for the δ-form of a loop with three or four states: it is stable exactly if all are positive.
+pub(crate) fn criterion<R: Number>(m: &[Vec<R>], sample_time: &BigRational) -> Vec<R> {
+    let order = m.len();
+    // Of δ⁰, δ¹, …: the coefficient of δⁿ⁻ᵏ is (−1)ᵏ times the sum of the minors of order k.
+    let coefficients: Vec<R> = (0..=order)
+        .map(|power| {
+            let sum = principal_minors(m, order - power);
+            match (order - power) % 2 {
+                0 => sum,
+                _ => sum.negated(),
+            }
+        })
+        .collect();
+    // Of w⁰, w¹, … in Σ cₖ wᵏ (1 − w t)ⁿ⁻ᵏ.
+    let t = -(sample_time * half());
+    let h: Vec<R> = (0..=order)
+        .map(|power| {
+            (0..=power).fold(R::nothing(), |sum, k| {
+                let factor = integer(binomial(order - k, power - k)) * t.pow((power - k) as i32);
+                sum.plus(&coefficients[k].times(&R::constant(&factor)))
+            })
+        })
+        .collect();
+    let cross = match &h[..] {
+        [h0, h1, h2, h3, h4] => h3
+            .times(h2)
+            .minus(&h4.times(h1))
+            .times(h1)
+            .minus(&h3.times(h3).times(h0)),
+        _ => h[2].times(&h[1]).minus(&h[3].times(&h[0])),
+    };
+    h.into_iter().chain([cross]).collect()
+}
+
+/// The number of choices of k among n.
+fn binomial(n: usize, k: usize) -> i128 {
+    (0..k).fold(1, |found, i| found * (n - i) as i128 / (i + 1) as i128)
+}
+
+/// The conclusion from the numbers of the criterion.
 pub(crate) fn verdict_of(all: &[&Enclosure]) -> Stability {
     if all.iter().all(|value| value.is_positive()) {
         Stability::Stable
@@ -86,7 +126,7 @@ pub(crate) fn verdict_of(all: &[&Enclosure]) -> Stability {
     }
 }
 
-/// Hurwitz' criterion for the δ-form of a loop.
-pub(crate) fn judged(m: &[[Enclosure; 3]; 3], sample_time: &BigRational) -> Stability {
-    verdict_of(&criterion(m, sample_time).each_ref())
+/// The criterion for the δ-form of a loop.
+pub(crate) fn judged(m: &[Vec<Enclosure>], sample_time: &BigRational) -> Stability {
+    verdict_of(&criterion(m, sample_time).iter().collect::<Vec<_>>())
 }

@@ -15,6 +15,7 @@
 use num_rational::BigRational;
 use num_traits::Signed;
 
+use crate::claims::emitted_observer::EmittedObserver;
 use crate::domains::intervals::{Finding, every_bit_pattern, ranges};
 use crate::domains::linear_forms::forms;
 use crate::exact::rational::{half, power_of_two};
@@ -34,6 +35,8 @@ pub struct EmittedLaw {
     pub limit: BigRational,
     /// Largest distance from the saturated law with these gains (A).
     pub rounding: BigRational,
+    /// The observer of the angle's bias before the law, where the source has one.
+    pub observer: Option<EmittedObserver>,
 }
 
 /// The reason why the law could not be read from the source.
@@ -107,13 +110,25 @@ impl EmittedLaw {
                 * &unit
         });
         let rounding = form.low.abs().max(form.high.abs()) * &unit;
+        // Words that make no observer are the matter of `hardware-words` and `bias-observer-stable`.
+        let observer = EmittedObserver::read(module, state_bits, current_bits);
         Ok(EmittedLaw {
+            observer: observer.ok().flatten(),
             state_bits,
             current_bits,
             gains,
             limit: limit_units * unit,
             rounding,
         })
+    }
+
+    /// What a reading of each state does to the command at once (A per unit of state): the gains, less what the observer of the
+    /// angle's bias makes of the reading.
+    pub fn of_readings(&self) -> [BigRational; 3] {
+        match &self.observer {
+            Some(observer) => observer.of_readings(&self.gains),
+            None => self.gains.clone(),
+        }
     }
 
     /// One unit of the command (A).

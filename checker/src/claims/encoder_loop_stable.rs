@@ -10,7 +10,9 @@
 //!
 //! zᴸ D − g₁ zᴸ N_α − g₂ W_α − g₃ W_φ,   W = zᴸ N of a measured speed, (zᴸ − zᴸ⁻ᴺ)/(N T) N of the angle for an encoder,
 //!
-//! L the longest window. The angle of the wheel enters by its differences alone, so that z = 1 is a root which belongs
+//! L the longest window. With an observer of the angle's bias ([`crate::claims::emitted_observer`]) the polynomial is z − p times the first term, p
+//! the decay of the observer's state under the law, and each g is the polynomial (z − p) g' − R N₁ c: g' of what
+//! a reading does at once, c its share in the observer's state. The angle of the wheel enters by its differences alone, so that z = 1 is a root which belongs
 //! to no loop; it is taken out. All other roots lie inside the unit circle by Routh's table, in exact arithmetic.
 
 use num_rational::BigRational;
@@ -42,11 +44,6 @@ pub fn by_exact_arithmetic(certificate: &Certificate, law: &EmittedLaw) -> Claim
     if !has_encoder && certificate.drive.voltage.is_none() {
         return ClaimOutcome::NotApplicable("no encoder, and a current drive".to_owned());
     }
-    if certificate.bias_observer.is_some() {
-        return ClaimOutcome::NotRun(
-            "with an observer of the angle's bias the loop has one state more, which is not looked at".to_owned(),
-        );
-    }
     let found = polynomial(certificate, law);
     let shifted = about_one(&found);
     // The wheel's angle by itself.
@@ -77,7 +74,8 @@ fn polynomial(certificate: &Certificate, law: &EmittedLaw) -> Polynomial {
         .map(|row| row.iter().map(|entry| entry.value.clone()).collect())
         .collect();
     let mut b: Vec<BigRational> = plant.b.iter().map(|entry| entry.value.clone()).collect();
-    let mut gains: Vec<BigRational> = law.gains.to_vec();
+    let mut gains: Vec<BigRational> = law.of_readings().to_vec();
+    let mut of_observer = -law.gains[0].clone();
     if let Some(drive) = &certificate.drive.voltage {
         let (r, k_e) = (&drive.winding_ohm.value, &drive.back_emf_v_s.value);
         for (row, push) in a.iter_mut().zip(&b) {
@@ -89,6 +87,7 @@ fn polynomial(certificate: &Certificate, law: &EmittedLaw) -> Polynomial {
         for gain in &mut gains {
             *gain *= r;
         }
+        of_observer *= r;
         gains[2] += k_e;
     }
     for row in &mut a {
@@ -121,9 +120,23 @@ fn polynomial(certificate: &Certificate, law: &EmittedLaw) -> Polynomial {
         speed(body_window, 1, 0),
         speed(window, 2, 3),
     ];
-    let mut found = shift(&denominator, longest);
-    for (gain, measured) in gains.iter().zip(&fed_back) {
-        found = plus(&found, &scaled(measured, &-gain));
+    let Some(observer) = &law.observer else {
+        let mut found = shift(&denominator, longest);
+        for (gain, measured) in gains.iter().zip(&fed_back) {
+            found = plus(&found, &scaled(measured, &-gain));
+        }
+        return found;
+    };
+    let decay = observer.own_decay(&law.gains);
+    // (z − p) of a polynomial.
+    let filtered = |polynomial: &Polynomial| -> Polynomial {
+        plus(&shift(polynomial, 1), &scaled(polynomial, &-&decay))
+    };
+    let into = observer.into_state(&law.gains);
+    let mut found = filtered(&shift(&denominator, longest));
+    for ((gain, into), measured) in gains.iter().zip(&into).zip(&fed_back) {
+        found = plus(&found, &filtered(&scaled(measured, &-gain)));
+        found = plus(&found, &scaled(measured, &-(&of_observer * into)));
     }
     found
 }

@@ -16,6 +16,7 @@ use crate::certificate::reader::{Certificate, CertifiedLoop, CertifiedVoltage};
 use crate::claims::bias_observer_words::check_words;
 use crate::claims::control_law::{EmittedLaw, exponent};
 use crate::claims::drift_words;
+use crate::claims::loop_as_shipped::inertial::step_of;
 use crate::claims::named_words::{NamedWords, nearest};
 use crate::exact::rational::{decimal, half, integer, power_of_two, rounded_up};
 use crate::language::module::Module;
@@ -342,7 +343,7 @@ fn plane(
     Ok(())
 }
 
-/// The certificate of the closed loop must use the counts of the stated sensors.
+/// The certificate of the closed loop must use the steps of the stated sensors.
 fn check_sensor_steps(
     hardware: &CertifiedInertial,
     wheel: &CertifiedWheelSpeed,
@@ -350,7 +351,8 @@ fn check_sensor_steps(
 ) -> Check {
     let row = |sensor: &CertifiedSensor, row: usize| -> BigRational {
         let entries = sensor.matrix[row].iter();
-        entries.map(|entry| entry.value.abs()).sum()
+        let count: BigRational = entries.map(|entry| entry.value.abs()).sum();
+        count * integer(step_of(&sensor.clip_counts))
     };
     let accel = &hardware.accelerometer;
     let found = [
@@ -362,7 +364,7 @@ fn check_sensor_steps(
         let stated = &stated.sensor_steps[index];
         if (&stated.value - found).abs() > found * crate::exact::rational::power(10, -12) {
             return Err(format!(
-                "sensor_steps[{index}] is stated as {stated}, the sensor's count is {}",
+                "sensor_steps[{index}] is stated as {stated}, the sensor's step is {}",
                 rounded_up(found, 12)
             ));
         }

@@ -1,9 +1,11 @@
-//! Claims `closed-loop-for-all-time` and `region-of-attraction` from rest, where an encoder has a window.
+//! Claims `closed-loop-for-all-time` and `region-of-attraction` from rest, where an encoder has a window or an observer corrects the
+//! angle.
 //!
 //! The rate by an encoder on the pivot is the difference of two angles that it showed, and the angles of its window are states
 //! of the loop. An ellipsoid in so many states has room for next to no rounding of counts: it bounds an error of the rate as if
 //! it never ended, while the error of a reading acts on the rate forwards and, a window later, backwards. With a long
-//! window of an encoder on the wheel there may be no ellipsoid either. So the starts are
+//! window of an encoder on the wheel there may be no ellipsoid either, and the state of an observer of the angle's bias is slow and
+//! depends on the start. So the starts are
 //! those of a user, at rest, and the argument is the one of [`crate::claims::loop_as_shipped`]: the largest effect of a start
 //! and of every input, added up over all time, and bounds that follow from themselves. Here it is applied to the
 //! plant of these two claims, the stated linear model, without delay, dry friction and noise, and with sensors that return the
@@ -15,7 +17,8 @@
 //! e⁺ = F̂ e + B (v + (N + K) z̄) + readings,
 //!
 //! with v the rounding of words, duty and counts. z̄ is bounded by its own start and windows; means over a
-//! window are within the bounds between samples.
+//! window are within the bounds between samples. With an observer, z̄ has one in real numbers, that of the stated decimals; what
+//! the words make of z̄ besides is an input of the observer's state.
 //!
 //! **Region.** The same bounds with gravity as a sine, from the largest start at rest for which they close, and those that
 //! every such motion finally keeps.
@@ -25,8 +28,9 @@ use num_traits::{Signed, Zero};
 
 use crate::certificate::reader::{Certificate, vector};
 use crate::claims::control_law::EmittedLaw;
+use crate::claims::emitted_observer::EmittedObserver;
 use crate::claims::loop_as_shipped::NoBounds;
-use crate::claims::loop_as_shipped::bounds::{Bounds, Difference, kept_up, largest_start};
+use crate::claims::loop_as_shipped::bounds::{Apart, Bounds, Difference, kept_up, largest_start};
 use crate::claims::loop_as_shipped::errors::SensorErrors;
 use crate::claims::loop_as_shipped::plant::Loop;
 use crate::claims::loop_as_shipped::responses::Responses;
@@ -92,6 +96,7 @@ impl LoopFromRest {
         };
         let real = EmittedLaw {
             gains: vector(&certificate.gains).map(|gain| -gain),
+            observer: EmittedObserver::stated(certificate),
             ..law.clone()
         };
         let real_model = straight(&Loop::as_stated(certificate, &real)?);
@@ -101,13 +106,12 @@ impl LoopFromRest {
         let start = own.min(largest_start(&real_model, &real_responses, &self.errors)?);
         // The loop in real numbers has no errors; with them its bounds are larger.
         let of_real = Bounds::from_rest(&real_model, &real_responses, &self.errors, &start)?;
-        let apart = law
-            .gains
-            .iter()
-            .zip(&real.gains)
-            .zip(&of_real.states)
-            .map(|((emitted, real), bound)| (emitted - real).abs() * bound)
-            .sum();
+        let apart = apart(
+            law,
+            &real,
+            &of_real,
+            &of_real.state_of_observer(&real_model),
+        );
         Ok(ForAllTime {
             bounds: Bounds::from_rest(&model, &self.responses, &self.errors, &start)?,
             difference: Difference::of(&model, &self.responses, &self.errors, &apart)?,
@@ -135,15 +139,35 @@ impl LoopFromRest {
     }
 }
 
-/// Whether the two claims are about starts at rest: an encoder is on the pivot, or one is on the wheel and no ellipsoid is
-/// stated.
+/// How far the numbers of the emitted law are from those of the real one, for bounds of the real loop and of its observer's state.
+fn apart(law: &EmittedLaw, real: &EmittedLaw, of_real: &Bounds, state: &BigRational) -> Apart {
+    let differs = |one: &[BigRational; 3], other: &[BigRational; 3]| -> BigRational {
+        let both = one.iter().zip(other).zip(&of_real.states);
+        both.map(|((one, other), bound)| (one - other).abs() * bound)
+            .sum()
+    };
+    let held = differs(&law.of_readings(), &real.of_readings());
+    match (&law.observer, &real.observer) {
+        (Some(own), Some(stated)) => Apart {
+            held: held + (&law.gains[0] - &real.gains[0]).abs() * state,
+            state: differs(&own.into_state(&law.gains), &stated.into_state(&real.gains))
+                + (own.own_decay(&law.gains) - stated.own_decay(&real.gains)).abs() * state,
+        },
+        _ => Apart {
+            held,
+            state: BigRational::zero(),
+        },
+    }
+}
+
+/// Whether the two claims are about starts at rest: an encoder is on the pivot, the module has an observer of the angle's bias, or an
+/// encoder is on the wheel and no ellipsoid is stated.
 pub fn applies(certificate: &Certificate) -> bool {
     let hardware = &certificate.hardware;
     let has_set = certificate.closed_loop.is_some();
     hardware.body_encoder().is_some()
-        || (hardware.wheel_speed.encoder.is_some()
-            && certificate.bias_observer.is_none()
-            && !has_set)
+        || certificate.bias_observer.is_some()
+        || (hardware.wheel_speed.encoder.is_some() && !has_set)
 }
 
 /// Both claims: for all time, and the region.
@@ -152,8 +176,8 @@ pub fn by_exact_arithmetic(
     law: &EmittedLaw,
 ) -> (ClaimOutcome, ClaimOutcome) {
     if certificate.closed_loop.is_some() {
-        let why = "an ellipsoid of the pendulum's three states is stated, but the angles in the window of the encoder on the \
-                   pivot are states of the loop too";
+        let why = "an ellipsoid of the pendulum's three states is stated, but the angles in the window of an encoder on the \
+                   pivot, or the observer of the angle's bias, are states of the loop too";
         let open = ClaimOutcome::NotRun("it needs closed-loop-for-all-time".to_owned());
         return (ClaimOutcome::Failed(why.to_owned()), open);
     }

@@ -39,6 +39,7 @@ pub mod control_law;
 pub mod control_monotone;
 pub mod control_total;
 pub(crate) mod drift_words;
+pub mod emitted_observer;
 pub mod encoder_exact;
 pub mod encoder_loop_stable;
 pub mod filter_accurate;

@@ -48,11 +48,23 @@ struct Accelerations<R> {
     wheel_push: R,
 }
 
+/// The state of an observer in the loop. It does not depend on the parameters.
+struct ObserverPart {
+    /// From the state to what the drive holds (A/rad).
+    held: BigRational,
+    /// From the states of the plant into the next one.
+    into: Vector,
+    /// Of the state itself, less 1.
+    change: BigRational,
+}
+
 /// The linear model as a function of its parameters.
 pub(crate) struct Model {
     sample_time: BigRational,
-    /// Of what the drive holds.
+    /// Of what the drive holds: what a reading of each state does to it at once.
     gains: Vector,
+    /// Of an observer of the angle's bias.
+    observer: Option<ObserverPart>,
     /// 1/R of a voltage drive (1/Ohm); zero for a current drive.
     conductance: BigRational,
     /// Part of G α that no parameter states (springs).
@@ -118,7 +130,12 @@ impl Model {
         };
         Ok(Model {
             sample_time: certificate.sample_time_s.value.clone(),
-            gains: held_gains(&law.gains, &back_emf(certificate)),
+            gains: held_gains(&law.of_readings(), &back_emf(certificate)),
+            observer: law.observer.as_ref().map(|observer| ObserverPart {
+                held: -&law.gains[0],
+                into: observer.into_state(&law.gains),
+                change: observer.own_decay(&law.gains) - integer(1),
+            }),
             conductance: match &certificate.drive.voltage {
                 Some(voltage) if voltage.winding_ohm.value.is_positive() => {
                     voltage.winding_ohm.value.recip()
@@ -270,7 +287,7 @@ impl Model {
     }
 
     /// The closed loop in the form (F − 1)/T.
-    fn closed<R: Number>(&self, p: &[R]) -> Option<[[R; 3]; 3]> {
+    fn closed<R: Number>(&self, p: &[R]) -> Option<Vec<Vec<R>>> {
         let point = R::constant;
         let Accelerations {
             gravity,
@@ -349,11 +366,25 @@ impl Model {
             })
             .collect();
         // u = N₁ α + N₂ α̇ + N₃ (ψ − α̇)
-        let n = [
-            point(&self.gains[0]),
-            point(&(&self.gains[1] - &self.gains[2])),
-            point(&self.gains[2]),
-        ];
-        Some([0, 1, 2].map(|i| [0, 1, 2].map(|j| sampled[i][j].plus(&input[i].times(&n[j])))))
+        let of_own_speed = |row: &Vector| [row[0].clone(), &row[1] - &row[2], row[2].clone()];
+        let n = of_own_speed(&self.gains).map(|entry| point(&entry));
+        let mut closed: Vec<Vec<R>> = (0..3)
+            .map(|i| {
+                let row = (0..3).map(|j| sampled[i][j].plus(&input[i].times(&n[j])));
+                row.collect()
+            })
+            .collect();
+        if let Some(observer) = &self.observer {
+            for (row, input) in closed.iter_mut().zip(&input) {
+                row.push(input.times(&point(&observer.held)));
+            }
+            let [angle, rate, speed] = of_own_speed(&observer.into);
+            let row = [angle, rate, speed, observer.change.clone()];
+            closed.push(
+                row.map(|entry| point(&(entry / &self.sample_time)))
+                    .to_vec(),
+            );
+        }
+        Some(closed)
     }
 }

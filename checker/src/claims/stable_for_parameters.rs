@@ -7,6 +7,8 @@
 //! the coordinate that moves the number in doubt the most. Parts beyond the ellipsoid are left out. If the largest number of
 //! halvings is reached first, the claim is neither proved nor refuted.
 //!
+//! **An observer of the angle's bias** is a fourth state of the loop, which does not depend on the parameters.
+//!
 //! **Windows of encoders** are states of the loop, too many for that criterion. Such a module is looked at over the whole region at
 //! once, by what the responses of the loop at the stated parameters make of all that a plant may be off by
 //! ([`crate::claims::loop_as_shipped::small_gain`]).

@@ -399,7 +399,7 @@ fn loop_claims(
     table.add("region-of-attraction", PYTHON, || {
         second_region.unwrap_or_else(|| {
             let why = if settings.python {
-                "it speaks of starts at rest, where an encoder has a window"
+                "it speaks of starts at rest, where an encoder has a window or an observer corrects the angle"
             } else {
                 "switched off"
             };

@@ -298,7 +298,7 @@ const ATTACKS: &[Attack] = &[
         ],
         certificate: &[
             ("/hardware/gravity_m_s2", "\"25\""),
-            ("/closed_loop/sensor_steps/0", "\"0.00009576806640625\""),
+            ("/closed_loop/sensor_steps/0", "\"0.000383072265625\""),
         ],
     },
     Attack {

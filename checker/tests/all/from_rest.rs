@@ -6,30 +6,45 @@ use std::path::Path;
 use checker::certificate::reader::{Certificate, matrix, vector};
 use checker::claims::closed_loop_second;
 use checker::claims::control_law::EmittedLaw;
+use checker::claims::emitted_observer::EmittedObserver;
 use checker::claims::loop_from_rest::{self, LoopFromRest};
 use checker::prove::{ClaimOutcome, Emitted};
 use num_traits::ToPrimitive;
 
+use crate::observer::Observer;
 use crate::pivot::{certificate, law, parsed};
 use crate::shipped::real;
 
-/// A loop with an encoder of 2^14 counts on the pivot, its window 4, and a converter at the wheel.
-struct Stepped {
+/// A loop with a converter at the wheel. The body is shown by an encoder of 2^14 counts on the pivot, its window 4, or by an angle and a
+/// rate in steps.
+pub(crate) struct Stepped {
     a: [[f64; 3]; 3],
     b: [f64; 3],
     gains: [f64; 3],
     t: f64,
     wheel_count: f64,
     unit: f64,
-    is_sine: bool,
-    is_rounded: bool,
+    /// Steps of angle and rate (rad, rad/s); `None` for the encoder.
+    steps: Option<[f64; 2]>,
+    observer: Option<Observer>,
+    pub(crate) is_sine: bool,
+    pub(crate) is_rounded: bool,
 }
 
 const WINDOW: usize = 4;
 const COUNT: f64 = TAU / 16_384.0;
 
 impl Stepped {
-    fn of(certificate: &Certificate, law: &EmittedLaw) -> Stepped {
+    pub(crate) fn of(certificate: &Certificate, law: &EmittedLaw) -> Stepped {
+        // The accelerometer's words move by four counts, in which 1024 are gravity; the gyroscope's by one.
+        let steps = certificate.hardware.inertial().map(|inertial| {
+            let count = real(&inertial.accelerometer.matrix[0][0].value);
+            let gravity = real(&inertial.gravity_m_s2.value);
+            [
+                4.0 * count / gravity,
+                real(&inertial.gyroscope.matrix[2][2].value),
+            ]
+        });
         let wheel = &certificate.hardware.wheel_speed.rad_s_per_count.value;
         Stepped {
             a: matrix(&certificate.plant.a)
@@ -40,6 +55,8 @@ impl Stepped {
             t: real(&certificate.sample_time_s.value),
             wheel_count: wheel.to_f64().unwrap(),
             unit: real(&law.unit()),
+            steps,
+            observer: law.observer.as_ref().map(|own| Observer::of(own, true)),
             is_sine: false,
             is_rounded: true,
         }
@@ -54,27 +71,49 @@ impl Stepped {
         })
     }
 
+    /// The loop with the real numbers of the certificate, without rounding.
+    pub(crate) fn exact(certificate: &Certificate, law: &EmittedLaw) -> Stepped {
+        let stated = EmittedObserver::stated(certificate);
+        Stepped {
+            gains: vector(&certificate.gains)
+                .each_ref()
+                .map(|gain| -real(gain)),
+            observer: stated.map(|own| Observer::of(&own, false)),
+            is_rounded: false,
+            ..Stepped::of(certificate, law)
+        }
+    }
+
     /// The states, and the command, at every sample.
-    fn run(&self, start: f64, steps: usize) -> Vec<[f64; 4]> {
-        let shown = |angle: f64| match self.is_rounded {
-            true => (angle / COUNT).round() * COUNT,
-            false => angle,
+    pub(crate) fn run(&self, start: f64, steps: usize) -> Vec<[f64; 4]> {
+        let in_steps = |value: f64, step: f64| match self.is_rounded {
+            true => (value / step).round() * step,
+            false => value,
         };
+        let shown = |angle: f64| in_steps(angle, self.steps.map_or(COUNT, |steps| steps[0]));
+        let mut observer = self.observer;
+        if let Some(observer) = &mut observer {
+            observer.waits([shown(start), 0.0, 0.0]);
+        }
         let mut x = [start, 0.0, 0.0];
         let mut before = [shown(start); WINDOW];
         let mut seen = Vec::new();
         for _ in 0..steps {
             let angle = shown(x[0]);
-            let speed = match self.is_rounded {
-                true => (x[2] / self.wheel_count).round() * self.wheel_count,
-                false => x[2],
+            let speed = in_steps(x[2], self.wheel_count);
+            let rate = match self.steps {
+                Some([_, step]) => in_steps(x[1], step),
+                None => (angle - before[WINDOW - 1]) / (WINDOW as f64 * self.t),
             };
-            let rate = (angle - before[WINDOW - 1]) / (WINDOW as f64 * self.t);
             before.rotate_right(1);
             before[0] = angle;
-            let mut current = self.gains[0] * angle + self.gains[1] * rate + self.gains[2] * speed;
-            if self.is_rounded {
-                current = (current / self.unit).round() * self.unit;
+            let states = [angle, rate, speed];
+            let bias = observer.map_or(0.0, |observer| observer.estimate(states));
+            let wished =
+                self.gains[0] * (angle - bias) + self.gains[1] * rate + self.gains[2] * speed;
+            let current = in_steps(wished, self.unit);
+            if let Some(observer) = &mut observer {
+                observer.advance(states, current);
             }
             seen.push([x[0], x[1], x[2], current]);
             // Runge and Kutta, eight steps a sample.
@@ -92,7 +131,7 @@ impl Stepped {
     }
 }
 
-fn largest(runs: impl Iterator<Item = [f64; 4]>) -> [f64; 4] {
+pub(crate) fn largest(runs: impl Iterator<Item = [f64; 4]>) -> [f64; 4] {
     runs.fold([0.0; 4], |most, now| {
         [0, 1, 2, 3].map(|i| f64::max(most[i], now[i].abs()))
     })
@@ -100,20 +139,19 @@ fn largest(runs: impl Iterator<Item = [f64; 4]>) -> [f64; 4] {
 
 #[test]
 fn the_two_loops_of_the_linear_model_stay_together() {
-    let (certificate, law) = (parsed(&certificate(14, WINDOW as u32)), law());
-    let shown = LoopFromRest::of(&certificate, &law).unwrap();
-    let found = shown.for_all_time(&certificate, &law).unwrap();
+    stay_together(&parsed(&certificate(14, WINDOW as u32)), &law());
+}
+
+/// The emitted loop and the one in real numbers, from starts up to the proved one: each within its bounds, and the difference within its
+/// own.
+pub(crate) fn stay_together(certificate: &Certificate, law: &EmittedLaw) {
+    let shown = LoopFromRest::of(certificate, law).unwrap();
+    let found = shown.for_all_time(certificate, law).unwrap();
     let start = real(&found.start);
     println!("from {start:.4} rad");
     assert!(start > 0.02, "{start}");
-    let emitted = Stepped::of(&certificate, &law);
-    let exact = Stepped {
-        gains: vector(&certificate.gains)
-            .each_ref()
-            .map(|gain| -real(gain)),
-        is_rounded: false,
-        ..Stepped::of(&certificate, &law)
-    };
+    let emitted = Stepped::of(certificate, law);
+    let exact = Stepped::exact(certificate, law);
     let mut most = [0.0; 4];
     for share in [-1.0, -0.31, 0.5, 0.77, 1.0] {
         let both = emitted.run(share * start, 4_000).into_iter();
@@ -157,14 +195,18 @@ fn the_two_loops_of_the_linear_model_stay_together() {
 
 #[test]
 fn from_the_region_the_pendulum_comes_to_the_inner_bounds() {
-    let (certificate, law) = (parsed(&certificate(14, WINDOW as u32)), law());
-    let shown = LoopFromRest::of(&certificate, &law).unwrap();
-    let found = shown.from_rest(&certificate).unwrap();
+    comes_to_the_inner_bounds(&parsed(&certificate(14, WINDOW as u32)), &law());
+}
+
+/// The pendulum, from starts within the region: within the outer bounds, and late within the inner ones.
+pub(crate) fn comes_to_the_inner_bounds(certificate: &Certificate, law: &EmittedLaw) {
+    let shown = LoopFromRest::of(certificate, law).unwrap();
+    let found = shown.from_rest(certificate).unwrap();
     let start = real(&found.start);
     println!("from {start:.4} rad");
     let pendulum = Stepped {
         is_sine: true,
-        ..Stepped::of(&certificate, &law)
+        ..Stepped::of(certificate, law)
     };
     for share in [-1.0, 0.4, 1.0] {
         let run = pendulum.run(share * start, 12_000);
@@ -227,16 +269,24 @@ fn emitted(changes: &[(&str, serde_json::Value)]) -> Emitted {
 /// The second checker, which shares nothing with the first, finds the same of both claims.
 #[test]
 fn the_second_checker_agrees_from_rest() {
-    let (for_all_time, region) = closed_loop_second::from_rest_by_python(&emitted(&[]));
+    agree_from_rest(
+        &emitted(&[]),
+        &parsed(&certificate(14, WINDOW as u32)),
+        &law(),
+    );
+}
+
+/// What both checkers find, where Python is.
+pub(crate) fn agree_from_rest(emitted: &Emitted, stated: &Certificate, law: &EmittedLaw) {
+    let (for_all_time, region) = closed_loop_second::from_rest_by_python(emitted);
     if let ClaimOutcome::NotRun(why) = &for_all_time {
         assert!(why.contains("python3 is not installed"), "{why}");
         eprintln!("not run: {why}");
         return;
     }
-    let (stated, law) = (parsed(&certificate(14, WINDOW as u32)), law());
-    let shown = LoopFromRest::of(&stated, &law).unwrap();
-    let both = shown.for_all_time(&stated, &law).unwrap();
-    let from_rest = shown.from_rest(&stated).unwrap();
+    let shown = LoopFromRest::of(stated, law).unwrap();
+    let both = shown.for_all_time(stated, law).unwrap();
+    let from_rest = shown.from_rest(stated).unwrap();
     let values = |start, parts: [&[_; 3]; 2], commands: [_; 2]| -> Vec<f64> {
         let mut found = vec![real(start)];
         for (states, command) in parts.into_iter().zip(commands) {

@@ -1,6 +1,7 @@
 //! The checker from outside: what it proves, what it refuses, and who notices damage.
 
 mod attacks;
+mod attacks_on_folders;
 mod attacks_on_numbers;
 mod attraction;
 mod certificate;
@@ -15,6 +16,7 @@ mod intervals;
 mod length;
 mod mutants;
 mod nested;
+mod observer;
 mod physical_signs;
 mod pivot;
 mod refusals;

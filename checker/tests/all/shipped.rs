@@ -16,6 +16,8 @@ use checker::{ClaimOutcome, Module};
 use num_rational::BigRational;
 use num_traits::ToPrimitive;
 
+use crate::observer::Observer;
+
 fn emitted() -> (Certificate, EmittedLaw) {
     let folder = Path::new("../generated");
     let module = Module::read(folder).unwrap();
@@ -50,6 +52,8 @@ pub(crate) enum Sensors {
     Draw,
     /// At the end that pushes the body away from upright.
     Push,
+    /// At one end for ever: a constant bias of all that is shown.
+    Bias,
 }
 
 /// Numbers of 0 to 1 (SplitMix64).
@@ -90,10 +94,12 @@ pub(crate) struct Pendulum {
     window: Option<usize>,
     /// Steps of an encoder on the pivot, the error of a reading (rad) and its count (rad).
     pivot: Option<(usize, f64, f64)>,
+    observer: Option<Observer>,
 }
 
-/// Largest |angle|, |rate|, |wheel speed| and |command| of a run, and of its last quarter.
+/// Largest |angle|, |rate|, |wheel speed| and |command| of a run, and of its last quarter; the largest |estimated bias|.
 pub(crate) struct Seen {
+    pub(crate) estimate: f64,
     pub(crate) whole: [f64; 4],
     pub(crate) late: [f64; 4],
 }
@@ -150,6 +156,7 @@ impl Pendulum {
                 real(&certificate.drive.current_range_a.value)
             }),
             window: encoder.map(|encoder| encoder.window as usize),
+            observer: law.observer.as_ref().map(|own| Observer::of(own, true)),
         }
     }
 
@@ -181,7 +188,9 @@ impl Pendulum {
         let mut rates = std::collections::VecDeque::from(vec![0.0; 200]);
         let mut shown =
             std::collections::VecDeque::from(vec![start; self.pivot.map_or(0, |p| p.0)]);
+        let mut observer = self.observer;
         let mut seen = Seen {
+            estimate: 0.0,
             whole: [0.0; 4],
             late: [0.0; 4],
         };
@@ -191,7 +200,7 @@ impl Pendulum {
             let old = match sensors {
                 Sensors::Round => 0.0,
                 Sensors::Draw => random.next(),
-                Sensors::Push => 1.0,
+                Sensors::Push | Sensors::Bias => 1.0,
             };
             let back = (old * self.age / self.t * PARTS as f64).round() as usize;
             let rate = rates[rates.len() - 1 - back.min(rates.len() - 1)];
@@ -200,6 +209,7 @@ impl Pendulum {
                 Sensors::Round => 0.0,
                 Sensors::Draw => (2.0 * random.next() - 1.0) * size,
                 Sensors::Push => away * size,
+                Sensors::Bias => size,
             };
             let seen_direction = x[0] + error(direction);
             let mut seen_rate = rate + error(gyro) + error(drift);
@@ -221,15 +231,27 @@ impl Pendulum {
                 believed = match sensors {
                     Sensors::Round => (x[0] / count).round() * count,
                     // The loop's worst readings change sides as slowly as the loop, which `error` does.
-                    Sensors::Draw | Sensors::Push => x[0] + error(most),
+                    Sensors::Draw | Sensors::Push | Sensors::Bias => x[0] + error(most),
                 };
                 let before = shown.pop_front().unwrap_or(believed);
                 shown.push_back(believed);
                 seen_rate = (believed - before) / (window as f64 * self.t);
             }
             let [n1, n2, n3] = self.gains;
-            let wished = n1 * believed + n2 * seen_rate + n3 * seen_speed;
+            let shown_states = [believed, seen_rate, seen_speed];
+            let mut bias = 0.0;
+            if let Some(observer) = &mut observer {
+                if step == 0 {
+                    observer.waits([start, 0.0, 0.0]);
+                }
+                bias = observer.estimate(shown_states);
+                seen.estimate = seen.estimate.max(bias.abs());
+            }
+            let wished = n1 * (believed - bias) + n2 * seen_rate + n3 * seen_speed;
             let command = wished.clamp(-self.limit, self.limit);
+            if let Some(observer) = &mut observer {
+                observer.advance(shown_states, command);
+            }
             let held = (command + self.back_emf * seen_speed).clamp(-self.reach, self.reach);
             let sent = (held / self.duty_count).round() * self.duty_count;
             let quantities = [x[0], x[1], x[2], wished];

@@ -111,9 +111,9 @@ pub(super) fn tokens(
                 number(observer.limit_rad)
             ),
             String::new(),
-            "The certificate's claims about the closed loop hold for `control` without this observer; the checker"
+            "The certificate states no ellipsoid of the loop with this observer: the checker shows that the loop is stable"
                 .to_owned(),
-            "shows that the loop with it is stable (`bias-observer-stable`).".to_owned(),
+            "(`bias-observer-stable`), and bounds it from starts at rest.".to_owned(),
         ],
     });
     let observer = bias_observer(&own.bias_observer);

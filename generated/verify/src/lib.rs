@@ -20,6 +20,8 @@ mod proofs;
 #[cfg(kani)]
 mod proofs_attitude;
 #[cfg(kani)]
+mod proofs_lines;
+#[cfg(kani)]
 mod proofs_modes;
 #[cfg(kani)]
 mod proofs_product;

@@ -8,7 +8,7 @@
 //! running, or tripped. (A trip by a count acts as one by a fault: only `Running` and `NotAligned` are asked for.)
 //!
 //! What stands in is shown elsewhere: `observed`, `gathered` in [`crate::proofs_supervisor`]; the law in
-//! [`crate::proofs`]; lines and observer here; the filter in [`crate::proofs_attitude`]; `aligned` and the rows of
+//! [`crate::proofs`]; lines in [`crate::proofs_lines`]; the observer here; the filter in [`crate::proofs_attitude`]; `aligned` and the rows of
 //! products by the checker.
 
 use generated::bias_observer::{BiasObserver, advanced, estimated_bias, waiting};
@@ -20,27 +20,15 @@ use generated::line::{Line, on_line};
 use generated::madgwick::{COMPONENT_MAX, aligned, correction_imu, turned, unit_q28};
 use generated::pivot_angle::pivot_angle;
 use generated::supervisor::{Counters, Limits, SUM_MAX, Window, gathered, observed};
-use generated::{Angle, CURRENT_LIMIT, Controller, Current, Rate, Sample, WheelSpeed};
+use generated::{CURRENT_LIMIT, Controller, Sample};
 
 use crate::proofs_attitude::{
     any_angle, any_correction, any_direction, any_drift, any_gravity, any_length, any_rate_error,
     any_reading, any_turn,
 };
+use crate::proofs_lines::{any_command, any_on_line};
 use crate::properties;
 use crate::words::{any_within, assert_within};
-
-/// [`lines_in_range`] shows it for the lines of this bench.
-fn any_on_line(_word: i32, line: &Line) -> i32 {
-    let value = kani::any();
-    kani::assume((line.low..=line.high).contains(&value));
-    value
-}
-
-/// The harness `control_total` shows it.
-fn any_command(_angle: Angle, _rate: Rate, _speed: WheelSpeed) -> Current {
-    let [word] = any_within(CURRENT_LIMIT.to_bits());
-    Current::from_bits(word)
-}
 
 /// [`observer_in_range`] shows it.
 fn any_bias(_z: i32, _states: [i32; 3], observer: &BiasObserver) -> i32 {
@@ -103,17 +91,7 @@ fn any_window(_window: &Window, _up: [i32; 3], _is_quiet: bool, limits: &Limits)
 }
 
 /// The lines of this bench.
-const LINES: [&Line; 3] = [&RATE_LINE, &WHEEL_SPEED_LINE, &DUTY_LINE];
-
-/// Any word on the lines of this bench.
-#[kani::proof]
-fn lines_in_range() {
-    for line in LINES {
-        let value = on_line(kani::any(), line);
-        kani::cover!(value == line.high, "the upper end");
-        assert!((line.low..=line.high).contains(&value));
-    }
-}
+pub(crate) const LINES: [&Line; 3] = [&RATE_LINE, &WHEEL_SPEED_LINE, &DUTY_LINE];
 
 /// Any words of the states, the current and the observer.
 #[kani::proof]

@@ -31,6 +31,14 @@ pub(crate) const PIVOT_ENCODER: &str =
 const REVERSED_PIVOT: &str = "[hardware.angle]\nkind = \"encoder\"\ncounts_per_turn = -16384\nbits = 14\n\
      zero = 16380\n";
 
+/// Gyroscope and accelerometer, each a part of its own; the accelerometer's words are left-justified.
+const TWO_PARTS: &str = "[hardware.gyroscope]\npart = \"FXAS21002\"\naxes = [\"x\", \"y\", \"z\"]\n\
+     [hardware.accelerometer]\npart = \"FXOS8700\"\naxes = [\"x\", \"y\", \"z\"]\n";
+const ICM_20948: &str = "[hardware.gyroscope]\npart = \"ICM-20948\"\naxes = [\"x\", \"y\", \"z\"]\n\
+     [hardware.accelerometer]\npart = \"ICM-20948\"\naxes = [\"x\", \"y\", \"z\"]\n";
+const LSM6DS3: &str = "[hardware.gyroscope]\npart = \"LSM6DS3\"\naxes = [\"x\", \"y\", \"z\"]\n\
+     [hardware.accelerometer]\npart = \"LSM6DS3\"\naxes = [\"x\", \"y\", \"z\"]\n";
+
 /// The bodies and weights of the thesis with this hardware.
 pub(crate) fn designed(hardware: &[&str]) -> ControlDesign {
     let parameters = [
@@ -75,7 +83,16 @@ fn holds_with(
     not_run: &[&str],
     closed_loop: bool,
 ) -> GeneratedController {
-    let design = designed(hardware);
+    proved(name, &designed(hardware), not_run, closed_loop)
+}
+
+/// The same for a design.
+fn proved(
+    name: &str,
+    design: &ControlDesign,
+    not_run: &[&str],
+    closed_loop: bool,
+) -> GeneratedController {
     let controller = design.generate(None).expect("emitted");
     assert_eq!(controller.assumed, Vec::<String>::new(), "{name}");
     if let Ok(folder) = std::env::var("FLYWHEEL_WRITE_BENCHES") {
@@ -113,7 +130,8 @@ fn holds_with(
             println!("{name}: {} is not run: {why}", claim.id);
             left.push(&claim.id);
         }
-        if claim.id.starts_with("encoder") {
+        let is_of_loop = ["loop-as-shipped", "stable-for-parameters"].contains(&&*claim.id);
+        if claim.id.starts_with("encoder") || is_of_loop {
             println!("{name}: {} {word}: {why}", claim.id);
         }
     }
@@ -225,4 +243,39 @@ fn what_an_encoder_on_the_pivot_cannot_do_is_refused() {
         refused.to_string().contains("bias_time_constant"),
         "{refused}"
     );
+}
+
+/// A bench with an observer of the angle's bias of 1 s.
+fn observed(hardware: &[&str], sample_time_s: f64) -> ControlDesign {
+    let design = designed(hardware);
+    let mut wishes = *design.wishes();
+    wishes.bias_time_constant_s = Some(1.0);
+    wishes.sample_time_s = sample_time_s;
+    design.with_wishes(wishes).expect("a design")
+}
+
+/// An observer takes no claim from a module: everything that a hobby bench has.
+#[test]
+fn an_observer_takes_no_claim_away() {
+    let design = observed(&[INERTIAL, WHEEL_ENCODER, VOLTAGE], 1e-3);
+    proved("hobby observer", &design, &[], true);
+}
+
+/// The same with other sensors, drives and sample times.
+#[test]
+#[ignore = "run apart: minutes"]
+fn an_observer_takes_no_claim_from_any_bench() {
+    let benches: [(&str, [&str; 3], f64); 8] = [
+        ("observer", [INERTIAL, CONVERTER, CURRENT], 1e-3),
+        ("observer 2 ms", [INERTIAL, CONVERTER, CURRENT], 2e-3),
+        ("observer 5 ms", [INERTIAL, CONVERTER, CURRENT], 5e-3),
+        ("observer encoder", [INERTIAL, WHEEL_ENCODER, CURRENT], 1e-3),
+        ("observer voltage", [INERTIAL, CONVERTER, VOLTAGE], 1e-3),
+        ("observer two parts", [TWO_PARTS, DRIVER, CURRENT], 1e-3),
+        ("observer ICM-20948", [ICM_20948, CONVERTER, CURRENT], 1e-3),
+        ("observer LSM6DS3", [LSM6DS3, DRIVER, VOLTAGE], 1e-3),
+    ];
+    for (name, hardware, sample_time_s) in benches {
+        proved(name, &observed(&hardware, sample_time_s), &[], true);
+    }
 }

@@ -3,12 +3,15 @@
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
+use crate::claims::emitted_observer::EmittedObserver;
 use crate::claims::loop_as_shipped::NoBounds;
 use crate::claims::loop_as_shipped::carried::ROWS;
 use crate::claims::loop_as_shipped::errors::SensorErrors;
 use crate::claims::loop_as_shipped::inertial::MotionBounds;
 use crate::claims::loop_as_shipped::plant::Loop;
-use crate::claims::loop_as_shipped::responses::{ACCELERATIONS, ASKED, CHANGE, HELD, Responses};
+use crate::claims::loop_as_shipped::responses::{
+    ACCELERATIONS, ASKED, CHANGE, ESTIMATE, HELD, Responses,
+};
 use crate::exact::rational::{half, integer, power_of_two, short_above as up};
 
 /// Number of rounds in which bounds are enlarged until they reproduce themselves.
@@ -27,6 +30,8 @@ pub struct Bounds {
     pub command: BigRational,
     /// Error of the shown angle: of the filter, or of a reading of an encoder on the pivot (rad).
     pub angle: BigRational,
+    /// The estimated bias of the angle; zero without an observer (rad).
+    pub estimate: BigRational,
     rows: [BigRational; ROWS],
 }
 
@@ -133,84 +138,153 @@ struct Following {
     noise: BigRational,
     /// The current that the law requests, errors included (A).
     asked: BigRational,
+    /// The estimated bias of the angle, errors included (rad).
+    estimate: BigRational,
 }
 
-/// What a reading's error does at once (A).
-fn at_once(model: &Loop, errors: &SensorErrors) -> BigRational {
-    up(&model.at_once * &errors.reading)
+/// What the inputs of one sample with these sizes do to the held current at once (A).
+fn at_once(model: &Loop, sizes: &[BigRational]) -> BigRational {
+    let both = model.readings.iter().zip(sizes);
+    up(both.map(|(reading, size)| &reading.held * size).sum())
 }
 
-/// Bounds of the motion between samples while the drive holds at most `current`. The second value is the error of the
-/// held current, without the error of a reading, whose effect the loop contains itself.
+/// What they do to the current that the law asks for (A).
+fn asked_at_once(model: &Loop, sizes: &[BigRational]) -> BigRational {
+    let both = model.readings.iter().zip(sizes);
+    both.map(|(reading, size)| &reading.asked * size).sum()
+}
+
+/// What they do to a row over all time.
+fn of_readings(responses: &Responses, sizes: &[BigRational], row: usize) -> BigRational {
+    let both = responses.readings.iter().zip(sizes);
+    both.map(|(sums, size)| &sums[row] * size).sum()
+}
+
+/// The motion between samples, and the errors that follow from it.
+struct Settled {
+    between: Between,
+    /// The error of the held current, without the immediate effect of the inputs of one sample, which the loop contains itself (A).
+    noise: BigRational,
+    /// The sizes of these inputs.
+    sizes: Vec<BigRational>,
+    /// Their immediate effect on the held current (A).
+    at_once: BigRational,
+}
+
+/// Bounds of the motion between samples while the drive holds at most `current`.
 fn settled(
     model: &Loop,
     growth: &Growth,
     errors: &SensorErrors,
     rows: &[BigRational; ROWS],
     current: &BigRational,
-) -> Result<(Between, BigRational), Open> {
+) -> Result<Settled, Open> {
     let mut between = between(growth, rows, current)
         .ok_or_else(|| Open::Grows("the motion between two samples does not settle".to_owned()))?;
-    // The acceleration depends on the noise of the current, which depends on the acceleration.
+    // The acceleration depends on the errors of the current, which depend on the acceleration.
     let plain = between.motion.acceleration.clone();
-    let of_reading = at_once(model, errors);
-    let mut noise = BigRational::zero();
+    let too_large = |open: NoBounds| Open::TooLarge(open.to_string());
+    let (mut noise, mut of_sample) = (BigRational::zero(), BigRational::zero());
     for _ in 0..ROUNDS {
-        between.motion.acceleration = up(&plain + &growth.b[1] * (&noise + &of_reading));
-        let next = errors
-            .held(&between.motion)
-            .map_err(|open| Open::TooLarge(open.to_string()))?
-            + &model.current_off;
-        if next <= noise {
-            return Ok((between, noise));
+        between.motion.acceleration = up(&plain + &growth.b[1] * (&noise + &of_sample));
+        let next = errors.held(&between.motion).map_err(too_large)? + &model.current_off;
+        let sizes = errors.of_sample(&between.motion).map_err(too_large)?;
+        let next_of_sample = at_once(model, &sizes);
+        if next <= noise && next_of_sample <= of_sample {
+            return Ok(Settled {
+                between,
+                noise,
+                sizes,
+                at_once: of_sample,
+            });
         }
-        noise = up(next * (integer(1) + power_of_two(-30)));
+        let enlarged = |value: BigRational| up(value * (integer(1) + power_of_two(-30)));
+        (noise, of_sample) = (enlarged(next), enlarged(next_of_sample));
     }
     Err(Open::TooLarge(
         "the age of the gyroscope's readings feeds on itself".to_owned(),
     ))
 }
 
+/// `start` is the angle at rest; `None` once nothing is left of the start and of the errors before it.
 fn following(
     model: &Loop,
     responses: &Responses,
     errors: &SensorErrors,
     rows: &[BigRational; ROWS],
-    start: &BigRational,
-    before: &BigRational,
+    start: Option<&BigRational>,
 ) -> Result<Following, Open> {
     // First the held current is bounded by the end of the drive and its errors. This gives a second bound, the
     // requested current with its error, and the smaller of the two counts.
     let growth = Growth::of(model);
     let end = up(&model.reach + &model.current_off + &errors.rounding);
-    let (_, noise) = settled(model, &growth, errors, rows, &end)?;
-    let of_reading = at_once(model, errors);
-    let held = &rows[HELD] + noise + &of_reading;
-    let (between, noise) = settled(model, &growth, errors, rows, &end.min(held))?;
+    let first = settled(model, &growth, errors, rows, &end)?;
+    let held = &rows[HELD] + first.noise + first.at_once;
+    let Settled {
+        between,
+        noise,
+        sizes,
+        at_once,
+    } = settled(model, &growth, errors, rows, &end.min(held))?;
     let body = &growth.dry + &between.sine;
-    let late = &model.delay_off * (&rows[CHANGE] + &of_reading);
+    let late = &model.delay_off * (&rows[CHANGE] + &at_once);
+    let of_estimate = errors.estimate(&model.direct, &sizes);
+    let none = BigRational::zero();
+    let (start, before) = match start {
+        Some(start) => (start, before_start(errors, &of_estimate)),
+        None => (&none, none.clone()),
+    };
     let first = &model.delay_off * &responses.first_change * start;
     let rows: [BigRational; ROWS] = std::array::from_fn(|row| {
         up(start * &responses.start[row]
             + &responses.sums[0][row] * (&noise + &late)
             + &responses.sums[1][row] * &body
             + &responses.sums[2][row] * &model.wheel_dry
-            + &responses.reading[row] * &errors.reading
-            + &responses.before[row] * before
+            + of_readings(responses, &sizes, row)
+            + &responses.before[row] * &before
             + &responses.kick[row] * &first)
     });
     let of_law = errors
         .asked(&between.motion)
         .map_err(|open| Open::TooLarge(open.to_string()))?;
     Ok(Following {
-        asked: &rows[ASKED] + of_law + &of_reading,
+        asked: &rows[ASKED] + of_law + asked_at_once(model, &sizes),
+        estimate: &rows[ESTIMATE] + of_estimate,
         rows,
         between,
-        noise: noise + of_reading,
+        noise: noise + at_once,
     })
 }
 
+/// The size of the errors before the start: of the encoder on the pivot at rest, or of the state of an observer that waits, which is as
+/// wrong as the estimate, and rounded (rad).
+fn before_start(errors: &SensorErrors, of_estimate: &BigRational) -> BigRational {
+    match &errors.observer {
+        Some(_) => of_estimate + EmittedObserver::state_rounding(),
+        None => errors.at_rest.clone(),
+    }
+}
+
+/// Bound of the observer's state z = b̂ − ℓᵀ y, for a bound of the estimate, and of the states with their errors.
+fn state_of_observer(
+    model: &Loop,
+    estimate: &BigRational,
+    states: &[BigRational; 3],
+    of_estimate: &BigRational,
+) -> BigRational {
+    let of_states = model.direct.iter().zip(states);
+    let sum: BigRational = of_states.map(|(entry, bound)| entry.abs() * bound).sum();
+    estimate + sum + of_estimate
+}
+
 impl Bounds {
+    /// Bound of the state of an observer with this ℓ (rad).
+    #[must_use]
+    pub fn state_of_observer(&self, model: &Loop) -> BigRational {
+        let of_estimate = &self.estimate - &self.rows[ESTIMATE];
+        state_of_observer(model, &self.estimate, &self.states, &of_estimate)
+    }
+
     /// Bounds from rest at any angle up to `start`.
     ///
     /// # Errors
@@ -236,8 +310,18 @@ impl Bounds {
         }
         all.command = all.command.max(other.command);
         all.angle = all.angle.max(other.angle);
+        all.estimate = all.estimate.max(other.estimate);
         all
     }
+}
+
+/// By how much another loop would go on in a different way from the same state, in every step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Apart {
+    /// Of the held current (A).
+    pub held: BigRational,
+    /// Of the next state of an observer of the angle's bias (rad).
+    pub state: BigRational,
 }
 
 /// Bounds of the difference between two loops from equal starts, at the samples.
@@ -250,8 +334,8 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// The difference to a loop without any error, whose held current is besides another one by up to `apart` (A) in
-    /// every step. The body is shown by an encoder on the pivot, or directly.
+    /// The difference to a loop without any error, whose numbers are besides other ones. The body is shown by an encoder on the pivot, or
+    /// directly.
     ///
     /// # Errors
     /// [`NoBounds`].
@@ -259,22 +343,25 @@ impl Difference {
         model: &Loop,
         responses: &Responses,
         errors: &SensorErrors,
-        apart: &BigRational,
+        apart: &Apart,
     ) -> Result<Difference, NoBounds> {
         // The errors of such sensors do not depend on the motion.
-        let still = MotionBounds {
-            acceleration: BigRational::zero(),
-            rate: BigRational::zero(),
-        };
-        let noise = errors.held(&still)? + apart;
+        let still = MotionBounds::still();
+        let noise = errors.held(&still)? + &apart.held;
+        let mut sizes = errors.of_sample(&still)?;
+        let before = before_start(errors, &errors.estimate(&model.direct, &sizes));
+        let at_once = asked_at_once(model, &sizes);
+        if let (Some(_), Some(of_state)) = (&errors.observer, sizes.last_mut()) {
+            *of_state += &apart.state;
+        }
         let row = |row: usize| {
             up(&responses.sums[0][row] * &noise
-                + &responses.reading[row] * &errors.reading
-                + &responses.before[row] * &errors.at_rest)
+                + of_readings(responses, &sizes, row)
+                + &responses.before[row] * &before)
         };
         Ok(Difference {
             states: [row(0), row(1), row(2)],
-            command: up(row(ASKED) + errors.asked(&still)? + at_once(model, errors) + apart),
+            command: up(row(ASKED) + errors.asked(&still)? + at_once + &apart.held),
         })
     }
 }
@@ -289,7 +376,7 @@ fn closing(
         up(start * &responses.start[row] + &responses.before[row] * &errors.at_rest)
     });
     for _ in 0..ROUNDS {
-        let next = following(model, responses, errors, &rows, start, &errors.at_rest)?;
+        let next = following(model, responses, errors, &rows, Some(start))?;
         let command = next.asked.clone();
         if command >= model.limit {
             return Err(Open::TooLarge("the command may reach its limit".to_owned()));
@@ -298,6 +385,16 @@ fn closing(
             return Err(Open::TooLarge(
                 "the voltage may reach the end of the supply".to_owned(),
             ));
+        }
+        if let Some(observer) = &errors.observer {
+            let of_estimate = &next.estimate - &next.rows[ESTIMATE];
+            let state =
+                state_of_observer(model, &next.estimate, &next.between.states, &of_estimate);
+            if next.estimate >= observer.limit || state >= EmittedObserver::state_range() {
+                return Err(Open::TooLarge(
+                    "the estimated bias of the angle may come to its limit".to_owned(),
+                ));
+            }
         }
         let leans = &next.between.states[0] * model.gravity.clone();
         if leans >= model.b[1].abs() * &model.limit {
@@ -322,6 +419,7 @@ fn closing(
                 states: next.between.states,
                 command,
                 angle,
+                estimate: next.estimate,
                 rows,
             });
         }
@@ -367,12 +465,10 @@ pub fn kept_up(
     errors: &SensorErrors,
     bounds: &Bounds,
 ) -> Result<Bounds, NoBounds> {
-    let none = BigRational::zero();
     let not_shown = |open: Open| NoBounds::NotShown(open.why());
     let mut kept = bounds.clone();
     for _ in 0..ROUNDS {
-        let next =
-            following(model, responses, errors, &kept.rows, &none, &none).map_err(not_shown)?;
+        let next = following(model, responses, errors, &kept.rows, None).map_err(not_shown)?;
         let settles = next
             .rows
             .iter()
@@ -382,6 +478,7 @@ pub fn kept_up(
         kept = Bounds {
             command: next.asked,
             angle: errors.angle(&next.between.motion)?,
+            estimate: next.estimate,
             states: next.between.states,
             rows,
         };

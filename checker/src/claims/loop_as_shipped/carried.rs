@@ -15,8 +15,8 @@ use crate::exact::rational::{integer, power_of_two};
 use crate::exact::short::{SHORT_BITS, Short, TooLarge};
 
 /// The quantities: the three states, the held current, its change since the last step, the body's acceleration under
-/// the current before and after the command, and the current that the law requests.
-pub const ROWS: usize = 8;
+/// the current before and after the command, the current that the law requests, and the estimated bias of the angle.
+pub const ROWS: usize = 9;
 
 /// Number of bits that a number of the grid has beyond those of a short one.
 const SHORTER: i64 = (BITS - SHORT_BITS) as i64;

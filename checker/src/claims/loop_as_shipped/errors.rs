@@ -11,6 +11,10 @@
 //! from all other errors of the command, whose course over time is not known
 //! ([`crate::claims::loop_as_shipped::layout`]).
 //!
+//! **Observer of the angle's bias.** It knows the command with all its errors. So the errors of what is shown, of the command and
+//! of the observer's own state are inputs of one sample each, as that of the encoder's reading is, and only what the drive
+//! adds to the command is left to the errors whose course is not known ([`SensorErrors::of_sample`]).
+//!
 //! **Ends of the sensors.** If a bound on an angle, a rate, an acceleration or the wheel speed lies beyond the range of its
 //! sensor, the claim is not settled.
 
@@ -22,9 +26,10 @@ use crate::certificate::hardware::{
 };
 use crate::certificate::reader::Certificate;
 use crate::claims::control_law::EmittedLaw;
+use crate::claims::emitted_observer::EmittedObserver;
 use crate::claims::held_loop::{back_emf, held_gains};
 use crate::claims::loop_as_shipped::NoBounds;
-use crate::claims::loop_as_shipped::inertial::{InertialErrors, MotionBounds};
+use crate::claims::loop_as_shipped::inertial::{InertialErrors, MotionBounds, step_of};
 use crate::exact::rational::{half, integer, power_of_two, short_above as up};
 
 /// The errors that the sensors may have.
@@ -44,12 +49,41 @@ pub struct SensorErrors {
     pub asked_rounding: BigRational,
     /// Half-words of the rate (rad/s).
     pub rate_word: BigRational,
+    /// The errors of an observer of the angle's bias; `None` without one.
+    pub observer: Option<ObserverErrors>,
     /// Largest wheel speed that its sensor shows in both directions (rad/s).
     pub wheel_range: BigRational,
     /// Of what the drive holds.
     held: [BigRational; 3],
     /// Of the current that the law asks for.
     asked: [BigRational; 3],
+}
+
+/// The errors of an observer of the angle's bias.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObserverErrors {
+    /// Words of the states (their units).
+    pub words: [BigRational; 3],
+    /// Of the command: the rounding of its sum and of the estimate (A).
+    pub command: BigRational,
+    /// Of the estimate by the rounding to a word (rad).
+    pub estimate: BigRational,
+    /// Largest estimate (rad).
+    pub limit: BigRational,
+}
+
+impl ObserverErrors {
+    fn of(certificate: &Certificate, law: &EmittedLaw) -> Option<ObserverErrors> {
+        let stated = certificate.bias_observer.as_ref()?;
+        let [half_word, _, _] = law.half_words();
+        Some(ObserverErrors {
+            words: law.half_words().map(|word| word * integer(2)),
+            command: law.unit() + law.gains[0].abs() * &half_word,
+            // The limit is a word too.
+            limit: &stated.limit_rad.value - &half_word,
+            estimate: half_word,
+        })
+    }
 }
 
 /// The errors of what shows the body.
@@ -59,11 +93,11 @@ pub enum BodyErrors {
     Inertial(Box<InertialErrors>),
     /// An encoder on the pivot.
     Pivot(PivotErrors),
-    /// Angle and rate as they are, to the nearest count.
+    /// Angle and rate as they are, to the nearest step of a reading.
     Counts(CountErrors),
 }
 
-/// The errors of an angle and a rate that are measured directly, to half a count of accelerometer and gyroscope.
+/// The errors of an angle and a rate that are measured directly, to half a step of accelerometer and gyroscope.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CountErrors {
     /// Of the angle (rad).
@@ -78,7 +112,8 @@ impl CountErrors {
     fn of(certificate: &Certificate, inertial: &CertifiedInertial) -> CountErrors {
         let row = |sensor: &CertifiedSensor, row: usize| -> BigRational {
             let entries = sensor.matrix[row].iter();
-            entries.map(|entry| entry.value.abs()).sum()
+            let sum: BigRational = entries.map(|entry| entry.value.abs()).sum();
+            sum * integer(step_of(&sensor.clip_counts))
         };
         let accel = &inertial.accelerometer;
         let count = row(accel, 0).max(row(accel, 1)) / &inertial.gravity_m_s2.value;
@@ -171,7 +206,8 @@ impl SensorErrors {
         let count = certificate.drive.amperes_per_count.value.abs();
         // Half a count, and a hundredth of a count for the words of the duty's line.
         let duty = count * BigRational::new(51.into(), 100.into());
-        let asked = law.gains.clone();
+        let asked = law.of_readings();
+        let observer = ObserverErrors::of(certificate, law);
         let held = held_gains(&asked, &back_emf(certificate));
         // The words of angle, rate and wheel speed are rounded, some of them down: the error is up to a whole unit.
         let in_words = |gains: &[BigRational; 3]| -> BigRational {
@@ -186,8 +222,15 @@ impl SensorErrors {
             at_rest: up(&reading * half() / &steps),
             reading,
             wheel_speed: up(wheel.rad_s_per_count.value.abs() * &steps * readings),
-            rounding: up(in_words(&held) + law.unit() + duty),
-            asked_rounding: in_words(&asked) + law.unit(),
+            rounding: match observer {
+                None => up(in_words(&held) + law.unit() + duty),
+                Some(_) => up(duty),
+            },
+            asked_rounding: match observer {
+                None => in_words(&asked) + law.unit(),
+                Some(_) => BigRational::zero(),
+            },
+            observer,
             rate_word: &words[1] * integer(2),
             wheel_range,
             held,
@@ -234,7 +277,7 @@ impl SensorErrors {
     }
 
     /// ν: the error of the held current (A) during such a motion. It contains all causes except the drive itself and
-    /// the immediate effect of a reading of an encoder on the pivot.
+    /// the inputs of one sample ([`SensorErrors::of_sample`]).
     ///
     /// # Errors
     /// As [`SensorErrors::angle`].
@@ -255,6 +298,9 @@ impl SensorErrors {
         gains: &[BigRational; 3],
         motion: &MotionBounds,
     ) -> Result<BigRational, NoBounds> {
+        if self.observer.is_some() {
+            return Ok(BigRational::zero());
+        }
         let [n1, n2, n3] = gains;
         let wheel = n3.abs() * &self.wheel_speed;
         if let BodyErrors::Pivot(_) = &self.body {
@@ -262,6 +308,37 @@ impl SensorErrors {
         }
         let (angle, rate) = (self.angle(motion)?, self.rate(motion));
         Ok(up(n1.abs() * angle + n2.abs() * rate + wheel))
+    }
+
+    /// The sizes of the inputs of one sample ([`crate::claims::loop_as_shipped::plant::Loop::readings`]).
+    ///
+    /// # Errors
+    /// As [`SensorErrors::angle`].
+    pub fn of_sample(&self, motion: &MotionBounds) -> Result<Vec<BigRational>, NoBounds> {
+        if let BodyErrors::Pivot(_) = &self.body {
+            return Ok(vec![self.reading.clone()]);
+        }
+        let Some(observer) = &self.observer else {
+            return Ok(Vec::new());
+        };
+        let [angle, rate, wheel] = &observer.words;
+        Ok(vec![
+            up(self.angle(motion)? + angle),
+            up(self.rate(motion) + rate),
+            up(&self.wheel_speed + wheel),
+            observer.command.clone(),
+            EmittedObserver::state_rounding(),
+        ])
+    }
+
+    /// Largest error of the estimated bias by the readings of one sample with these errors (rad), for the observer's ℓ; zero without an observer.
+    pub fn estimate(&self, direct: &[BigRational; 3], sizes: &[BigRational]) -> BigRational {
+        let Some(observer) = &self.observer else {
+            return BigRational::zero();
+        };
+        let of_readings = direct.iter().zip(sizes);
+        let sum: BigRational = of_readings.map(|(entry, size)| entry.abs() * size).sum();
+        up(sum + &observer.estimate)
     }
 
     /// The error of the rate (rad/s).

@@ -40,6 +40,17 @@ pub struct MotionBounds {
     pub rate: BigRational,
 }
 
+impl MotionBounds {
+    /// Nothing moves.
+    #[must_use]
+    pub fn still() -> MotionBounds {
+        MotionBounds {
+            acceleration: BigRational::zero(),
+            rate: BigRational::zero(),
+        }
+    }
+}
+
 /// Error of the filter's arithmetic in a step (rad): 2e-7 in each of four components (`filter-accurate`), twice that as
 /// an angle, and the same again for the rounding of the normalisation.
 fn arithmetic() -> BigRational {
@@ -84,8 +95,9 @@ pub struct InertialErrors {
     turn: BigRational,
 }
 
-/// The largest power of two that divides every count.
-fn step_of(clips: &[i32; 3]) -> i128 {
+/// The step of a sensor's words, in counts: the largest power of two that divides every count at which it clips. That of a
+/// left-justified word is more than one.
+pub(crate) fn step_of(clips: &[i32; 3]) -> i128 {
     let zeros = clips.iter().filter(|clip| **clip != 0);
     let shift = zeros.map(|clip| clip.trailing_zeros()).min().unwrap_or(0);
     1 << shift

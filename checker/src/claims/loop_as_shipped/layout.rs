@@ -9,6 +9,7 @@
 //! - an encoder on the pivot, whose rate is (y(k) − y(k − M))/(M T) with the angles y that it shows: y(k − 1) to y(k − M).
 //!   They are what it showed, errors included. So an error of y(k) acts on angle and rate of its own sample, by the
 //!   difference of both in the samples after, and M steps later on the rate alone ([`Layout::reading`]).
+//! - an observer of the angle's bias: its state ([`crate::claims::emitted_observer`]).
 
 use std::ops::Range;
 
@@ -36,18 +37,19 @@ const WINDOW_MAX: u32 = 16;
 /// A square matrix on the grid, row by row.
 pub type SquareGrid = Vec<Vec<Grid>>;
 
-/// The windows of the encoders, in steps; `None` where there is no encoder.
+/// The windows of the encoders, in steps, `None` where there is no encoder; and whether there is an observer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
     wheel: Option<usize>,
     pivot: Option<usize>,
+    has_observer: bool,
 }
 
 impl Layout {
     /// The layout for a certificate.
     ///
     /// # Errors
-    /// [`NoBounds::Unphysical`] for a window that no encoder has.
+    /// [`NoBounds::Unphysical`] for a window that no encoder has, and for an observer beside an encoder on the pivot.
     pub fn of(certificate: &Certificate) -> Result<Layout, NoBounds> {
         let hardware = &certificate.hardware;
         let steps = |window: u32| {
@@ -61,7 +63,14 @@ impl Layout {
         };
         let wheel = hardware.wheel_speed.encoder.as_ref();
         let pivot = hardware.body_encoder();
+        let has_observer = certificate.bias_observer.is_some();
+        if has_observer && pivot.is_some() {
+            return Err(NoBounds::Unphysical(
+                "an observer of the angle's bias belongs to gyroscope and accelerometer".to_owned(),
+            ));
+        }
         Ok(Layout {
+            has_observer,
             wheel: wheel.map(|encoder| steps(encoder.window)).transpose()?,
             pivot: pivot.map(|encoder| steps(encoder.window)).transpose()?,
         })
@@ -69,7 +78,12 @@ impl Layout {
 
     /// Number of states.
     pub fn order(&self) -> usize {
-        self.angles().end
+        self.angles().end + usize::from(self.has_observer)
+    }
+
+    /// Place of the observer's state.
+    pub fn observer(&self) -> Option<usize> {
+        self.has_observer.then_some(self.angles().end)
     }
 
     /// Places of the wheel's turns: over the window, and in its single steps.
@@ -83,9 +97,14 @@ impl Layout {
         first..first + self.pivot.unwrap_or(0)
     }
 
-    /// A row of gains as a row of z. Rate and wheel speed are those of the sample, or follow from the windows of the
-    /// encoders.
-    pub fn row(&self, gains: &[BigRational; 3], t: &BigRational) -> Vec<BigRational> {
+    /// A row of gains as a row of z, with the entry of the observer's state where there is one. Rate and wheel speed are those of
+    /// the sample, or follow from the windows of the encoders.
+    pub fn row(
+        &self,
+        gains: &[BigRational; 3],
+        of_observer: &BigRational,
+        t: &BigRational,
+    ) -> Vec<BigRational> {
         let [angle, rate, speed] = gains.clone();
         let mut row = vec![BigRational::zero(); self.order()];
         row[0] = angle;
@@ -100,6 +119,9 @@ impl Layout {
         match self.wheel {
             None => row[2] = speed,
             Some(window) => row[PLAIN] = speed / (integer(window as i128) * t),
+        }
+        if let Some(place) = self.observer() {
+            row[place].clone_from(of_observer);
         }
         row
     }
@@ -117,44 +139,61 @@ impl Layout {
         found
     }
 
-    /// The state at rest at 1 rad; the encoder on the pivot has shown this angle all the time.
-    pub fn at_rest(&self) -> Vec<Grid> {
+    /// The state at rest at 1 rad; the encoder on the pivot has shown this angle all the time, and an observer with this ℓ₁ sees no
+    /// bias.
+    pub fn at_rest(&self, direct: &BigRational) -> Vec<Grid> {
         let one = BigInt::from(1) << BITS;
         let mut found = vec![Grid::zero(); self.order()];
         found[0].clone_from(&one);
         found[self.angles()].fill(one);
+        if let Some(place) = self.observer() {
+            found[place] = -on_grid(direct);
+        }
         found
     }
 
-    /// The change of z for an error of 1 rad of one reading of the encoder on the pivot. `at_once` is the share of the
-    /// error in the held current, `new` the effect of this share in the rest of the sample. `None` without such an
-    /// encoder.
-    pub fn reading(&self, new: &[Grid; PLANT], at_once: &BigRational) -> Option<Vec<Grid>> {
-        self.pivot?;
+    /// The change of z for an error of 1 of what one sample shows, or computes. `at_once` is the share of the error in the held
+    /// current, `new` the effect of this share in the rest of the sample; `into` the share in the observer's state. The
+    /// encoder on the pivot has shown the error too.
+    pub fn reading(
+        &self,
+        new: &[Grid; PLANT],
+        at_once: &BigRational,
+        into: &BigRational,
+    ) -> Vec<Grid> {
         let at_once = on_grid(at_once);
         let mut found = self.column(&new.each_ref().map(|entry| times(entry, &at_once)));
         found[HELD] = at_once;
-        found[self.angles().start] = BigInt::from(1) << BITS;
-        Some(found)
+        if self.pivot.is_some() {
+            found[self.angles().start] = BigInt::from(1) << BITS;
+        }
+        if let Some(place) = self.observer() {
+            found[place] = on_grid(into);
+        }
+        found
     }
 
-    /// The change of z for an error of 1 rad of the oldest reading in the window. The error of a younger reading
-    /// becomes this one later, so that the errors of all readings before the start act one after another in as many
-    /// steps as [`Layout::angles`] has. `None` without an encoder on the pivot.
-    pub fn oldest_reading(&self) -> Option<Vec<Grid>> {
-        self.pivot?;
+    /// The change of z for an error of 1 rad before the start: of the oldest reading in the window of an encoder on the pivot, or
+    /// of the observer's state. The error of a younger reading becomes this one later, so that the errors of all readings
+    /// before the start act one after another in as many steps as [`Layout::angles`] has. `None` without either.
+    pub fn before_start(&self) -> Option<Vec<Grid>> {
+        if self.pivot.is_none() && !self.has_observer {
+            return None;
+        }
         let mut found = vec![Grid::zero(); self.order()];
-        found[self.angles().end - 1] = BigInt::from(1) << BITS;
+        found[self.order() - 1] = BigInt::from(1) << BITS;
         Some(found)
     }
 
-    /// F: the plant under the old input until the delay is over, and under `held` of z afterwards.
+    /// F: the plant under the old input until the delay is over, and under `held` of z afterwards. `own` is the row of the
+    /// observer's next state.
     pub fn closed(
         &self,
         ad: &[[Grid; PLANT]; PLANT],
         whole: &[Grid; PLANT],
         new: &[Grid; PLANT],
         held: &[BigRational],
+        own: Option<&[BigRational]>,
     ) -> SquareGrid {
         let row: Vec<Grid> = held.iter().map(on_grid).collect();
         let of_plant = |i: usize| -> Vec<Grid> {
@@ -189,6 +228,7 @@ impl Layout {
         for (index, place) in self.angles().enumerate() {
             f.push(unit(if index == 0 { 0 } else { place - 1 }));
         }
+        f.extend(own.map(|row| row.iter().map(on_grid).collect::<Vec<Grid>>()));
         f
     }
 }

@@ -22,6 +22,12 @@
 //! its own, since the loop knows what it does later. Before it is armed the body has been at rest for the window, and the
 //! readings in it are off by half a count at most.
 //!
+//! **Observer of the angle's bias.** Its state s is one more of z, with s = −ℓ₁ α₀ at the start, where it sees no bias
+//! ([`crate::claims::emitted_observer`]). It knows the command with all its errors: what is shown or rounded wrong acts on the
+//! current and on s together, and only together it is far smaller than both bounds added up. So these errors are inputs of
+//! one sample each, as a reading of the encoder on the pivot is. The bounds then also stay below the largest estimate, and
+//! below the end of the word of s.
+//!
 //! **Delay.** It is a part d of the sample time, 0 ≤ d ≤ 1, which stays within one quarter of the sample at all steps.
 //! At the middle of each quarter the loop in z = (x, w of the last step) is z⁺ = F z. The deviation of d from the
 //! middle adds at most T/8 of the current's change w − w⁻ ([`plant`]).
@@ -117,8 +123,12 @@ pub fn by_exact_arithmetic(
                     three(&body.rate),
                 ),
             };
+            let of_observer = match &errors.observer {
+                Some(_) => format!(", estimated bias {} rad", three(&bounds.estimate)),
+                None => String::new(),
+            };
             let shipped = format!(
-                "armed at rest within {} rad: angle within {} rad, rate {} rad/s, wheel speed {} rad/s, current {} A; {of_body}",
+                "armed at rest within {} rad: angle within {} rad, rate {} rad/s, wheel speed {} rad/s, current {} A{of_observer}; {of_body}",
                 rounded_down(&shown.start),
                 three(&bounds.states[0]),
                 three(&bounds.states[1]),

@@ -73,6 +73,17 @@ struct Bench {
     directions: [[BigRational; 3]; 3],
 }
 
+/// The effect of an error of 1 in one sample.
+#[derive(Clone, Debug)]
+pub struct Reading {
+    /// On what the drive holds, at once, of either sign (A).
+    pub held: BigRational,
+    /// On the current that the law asks for, at once, of either sign (A).
+    pub asked: BigRational,
+    /// On z, from the next sample on.
+    pub column: Vec<Grid>,
+}
+
 /// One loop.
 #[derive(Clone, Debug)]
 pub struct Loop {
@@ -104,12 +115,14 @@ pub struct Loop {
     pub current_off: BigRational,
     /// Largest deviation of the delay from this loop's, as a share of a sample.
     pub delay_off: BigRational,
-    /// Immediate effect on the current (A) of an error of 1 rad of one reading of an encoder on the pivot, of either
-    /// sign; zero without such an encoder. The effect on the held current is the same, because the back-EMF's share
-    /// does not depend on the angle.
-    pub at_once: BigRational,
-    /// The same effect as a change of z, from the next sample on; `None` without such an encoder.
-    pub reading: Option<Vec<Grid>>,
+    /// What one sample shows or computes wrong, as inputs of their own. An encoder on the pivot: its reading (rad). An observer of
+    /// the angle's bias: the readings of angle, rate and wheel speed, the command (A), and the observer's state (rad); it
+    /// knows the command with all errors. Otherwise none.
+    pub readings: Vec<Reading>,
+    /// ℓ of the observer; zero without one.
+    pub direct: [BigRational; 3],
+    /// The row that gives the estimated bias from z; zero without an observer.
+    pub estimate: Vec<BigRational>,
     /// F on the grid.
     pub f: SquareGrid,
     /// Terms A^k v T^k/k! on the grid, of B, e and e_w, as columns of z.
@@ -130,12 +143,6 @@ impl Loop {
         law: &EmittedLaw,
         eighths: i128,
     ) -> Result<Loop, NoBounds> {
-        if certificate.bias_observer.is_some() {
-            return Err(NoBounds::NotShown(
-                "the module has an observer of the angle's bias, which the argument does not hold"
-                    .to_owned(),
-            ));
-        }
         let known = |name: &str| {
             [
                 &OF_THE_MODEL[..],
@@ -222,8 +229,7 @@ impl Loop {
         Loop::with(certificate, law, bench, eighths)
     }
 
-    /// The linear model as it is stated, its current without delay, dry friction and offset; gravity is that of A. An
-    /// observer of the angle's bias is left out.
+    /// The linear model as it is stated, its current without delay, dry friction and offset; gravity is that of A.
     ///
     /// # Errors
     /// [`NoBounds`].
@@ -281,14 +287,48 @@ impl Loop {
         // The effect of the new command in the rest of the sample, after the delay.
         let (_, new) = sampled(a, b, &(&t - late))?;
         let layout = Layout::of(certificate)?;
-        let held = layout.row(&held_gains(&law.gains, &back_emf), &t);
-        let asked = layout.row(&law.gains, &t);
-        let f = layout.closed(&ad, &whole, &new, &held);
-        let reading = layout.reading(&new, &held[0]);
-        let at_once = match reading {
-            Some(_) => held[0].abs(),
-            None => BigRational::zero(),
+        if law.observer.is_some() != layout.observer().is_some() {
+            return Err(NoBounds::Unphysical(
+                "source and certificate do not agree on an observer of the angle's bias".to_owned(),
+            ));
+        }
+        let of_readings = law.of_readings();
+        let held_readings = held_gains(&of_readings, &back_emf);
+        let of_observer = -&law.gains[0];
+        let held = layout.row(&held_readings, &of_observer, &t);
+        let asked = layout.row(&of_readings, &of_observer, &t);
+        let (zero, one) = (BigRational::zero(), integer(1));
+        let sample = |held: &BigRational, asked: &BigRational, into: &BigRational| Reading {
+            held: held.abs(),
+            asked: asked.abs(),
+            column: layout.reading(&new, held, into),
         };
+        let mut readings = Vec::new();
+        let mut own = None;
+        let (direct, estimate) = match &law.observer {
+            Some(observer) => {
+                let into = observer.into_state(&law.gains);
+                for i in 0..3 {
+                    readings.push(sample(&held_readings[i], &of_readings[i], &into[i]));
+                }
+                readings.push(sample(&one, &one, &observer.from_current));
+                readings.push(sample(&zero, &zero, &one));
+                own = Some(layout.row(&into, &observer.own_decay(&law.gains), &t));
+                (
+                    observer.direct.clone(),
+                    layout.row(&observer.direct, &one, &t),
+                )
+            }
+            None => (
+                [0, 1, 2].map(|_| zero.clone()),
+                vec![zero.clone(); layout.order()],
+            ),
+        };
+        if !layout.angles().is_empty() {
+            // The back-EMF's share does not depend on the angle.
+            readings.push(sample(&held[0], &held[0], &zero));
+        }
+        let f = layout.closed(&ad, &whole, &new, &held, own.as_deref());
 
         // With the wheel's angle, whose rate is the wheel's speed.
         let sums = a.iter().map(|row| row.iter().map(Signed::abs).sum());
@@ -339,8 +379,9 @@ impl Loop {
             layout,
             held,
             asked,
-            at_once,
-            reading,
+            readings,
+            direct,
+            estimate,
             f,
             inputs,
             later,

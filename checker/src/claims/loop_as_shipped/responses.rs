@@ -16,7 +16,7 @@ use crate::claims::loop_as_shipped::carried::{Carried, ROWS, ShortLoop};
 use crate::claims::loop_as_shipped::layout::SquareGrid;
 use crate::claims::loop_as_shipped::plant::{Loop, product};
 use crate::exact::grid::{BITS, Grid, above, exactly, on_grid, times};
-use crate::exact::rational::{half, integer, power_of_two, short_above};
+use crate::exact::rational::{integer, power_of_two, short_above};
 use crate::exact::short::TooLarge;
 
 /// Place of what the drive holds.
@@ -27,11 +27,18 @@ pub const CHANGE: usize = 4;
 pub const ACCELERATIONS: [usize; 2] = [5, 6];
 /// Place of the current that the law asks for.
 pub const ASKED: usize = 7;
+/// Place of the estimated bias of the angle.
+pub const ESTIMATE: usize = 8;
 
 /// Longest m that is tried, as a power of two.
 const DOUBLINGS: usize = 17;
-/// Steps that are added up, in multiples of m.
-const LENGTHS: usize = 16;
+/// Steps that are added up, in multiples of m: what is left then is q⁸ ≤ 2⁻¹⁶ of the start.
+const LENGTHS: usize = 8;
+
+/// Largest q.
+fn largest_q() -> BigRational {
+    power_of_two(-2)
+}
 
 /// Worst responses, for each row, all rounded up.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,10 +51,10 @@ pub struct Responses {
     /// Sums over all time of the responses to a current of 1 A, an acceleration of 1 rad/s² and a torque of 1 N m on
     /// the wheel.
     pub sums: [[BigRational; ROWS]; 3],
-    /// Sums over all time of the responses to an error of 1 rad of one reading of an encoder on the pivot; zero without
-    /// one.
-    pub reading: [BigRational; ROWS],
-    /// Largest response to errors of 1 rad of all readings in the window before the start.
+    /// Sums over all time of the responses to each input of one sample ([`Loop::readings`]).
+    pub readings: Vec<[BigRational; ROWS]>,
+    /// Largest response to errors of 1 rad before the start: of all readings in the window of an encoder on the pivot, or of
+    /// the observer's state. Zero without either.
     pub before: [BigRational; ROWS],
     /// The largest of the terms of the current.
     pub kick: [BigRational; ROWS],
@@ -67,15 +74,19 @@ impl Responses {
         };
         let short = ShortLoop::of(&model.f, &rows).map_err(too_large)?;
         let from_start = short
-            .carry(&[model.layout.at_rest()], steps, 1)
+            .carry(&[model.layout.at_rest(&model.direct[0])], steps, 1)
             .map_err(too_large)?;
         let mut from_inputs: [Carried; 3] = Default::default();
         for (carried, columns) in from_inputs.iter_mut().zip(&model.inputs) {
             *carried = short.carry(columns, steps, 1).map_err(too_large)?;
         }
-        let readings = model.reading.as_slice();
-        let from_readings = short.carry(readings, steps, 1).map_err(too_large)?;
-        let oldest = model.layout.oldest_reading();
+        let from_readings: Vec<Carried> = model
+            .readings
+            .iter()
+            .map(|reading| short.carry(std::slice::from_ref(&reading.column), steps, 1))
+            .collect::<Result<_, _>>()
+            .map_err(too_large)?;
+        let oldest = model.layout.before_start();
         let span = model.layout.angles().len().max(1);
         let before = short
             .carry(oldest.as_slice(), steps, span)
@@ -124,9 +135,12 @@ impl Responses {
                 })
             }),
             before: std::array::from_fn(|index| settled(index, &before, &most(&before, index))),
-            reading: std::array::from_fn(|index| {
-                settled(index, &from_readings, &from_readings.sum[index])
-            }),
+            readings: from_readings
+                .iter()
+                .map(|carried| {
+                    std::array::from_fn(|index| settled(index, carried, &carried.sum[index]))
+                })
+                .collect(),
             kick: std::array::from_fn(|index| {
                 let carried = &from_inputs[0];
                 short_above(t * (settled(index, carried, &most(carried, index)) + beyond(index, 0)))
@@ -165,6 +179,7 @@ fn rows(model: &Loop) -> [Vec<Grid>; ROWS] {
         on_the_grid(&before),
         on_the_grid(&after),
         on_the_grid(&model.asked),
+        on_the_grid(&model.estimate),
     ]
 }
 
@@ -200,14 +215,14 @@ impl Decay {
         let mut m = 1;
         let mut q = norm(&matrix);
         for _ in 0..DOUBLINGS {
-            if q <= half() {
+            if q <= largest_q() {
                 break;
             }
             matrix = product(&matrix, &matrix);
             m *= 2;
             q = norm(&matrix);
         }
-        if q > half() {
+        if q > largest_q() {
             return Err(NoBounds::NotShown(
                 "the loop is not stable, or too slow for the argument".to_owned(),
             ));
@@ -247,10 +262,10 @@ impl Decay {
 
 /// The weight of a state is its share of the held current, which makes the states comparable. The wheel's speed has the
 /// weight of the speed that an encoder shows, and each turn has the weight of the turn over the window. The angles that
-/// an encoder on the pivot showed have the weight of the oldest.
+/// an encoder on the pivot showed have the weight of the oldest, and an observer's state its own share.
 fn weights(model: &Loop) -> Vec<BigRational> {
     let share = |place: usize| model.held.get(place).map(Signed::abs).unwrap_or_default();
-    let (turns, angles) = (model.layout.turns(), model.layout.angles());
+    let turns = model.layout.turns();
     let of_turn = share(turns.start);
     let speed = match turns.is_empty() {
         false => &of_turn * &model.t * integer(turns.len() as i128),
@@ -258,7 +273,8 @@ fn weights(model: &Loop) -> Vec<BigRational> {
     };
     let mut weights = vec![share(0), share(1), speed, BigRational::one()];
     weights.resize(turns.end, of_turn);
-    weights.resize(angles.end, share(angles.end - 1));
+    let order = model.layout.order();
+    weights.resize(order, share(order - 1));
     for weight in weights.iter_mut().filter(|weight| weight.is_zero()) {
         *weight = BigRational::one();
     }
