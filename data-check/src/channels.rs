@@ -417,6 +417,15 @@ fn time_stamps(view: &View, out: &mut Vec<Finding>) {
             "time_step = … (seconds from line to line) in the place of the time's column, if it does",
         );
     }
+    if let Some(jitter_s) = view.record.clock_jitter_s {
+        say(
+            format!(
+                "the clock jitters: the samples are off by {} ms at random (one standard deviation), which is noise that grows with the speed of the motion",
+                short(1e3 * jitter_s)
+            ),
+            "log the time at which the sample was taken, and take the samples in a timer's interrupt; the fit goes on with the noise as it is",
+        );
+    }
     let mut steps: Vec<f64> = view
         .experiment
         .log

@@ -69,7 +69,7 @@ pub use diagnosis::{Options, diagnose_with, suspects_of};
 pub use imperfection::{Imperfection, Imperfections, imperfection};
 pub use next_experiment::{Explanation, NextExperiment, Recipe, propose, tell_apart};
 pub use pool::Search;
-pub use remains::{RemainingTorque, Remains};
+pub use remains::{RemainingTorque, Remains, SeriesDiscrepancy};
 pub use report::{Diagnosis, Step, Suspect};
 pub use round::{Round, try_all};
 pub use search::{prepared, search};

@@ -1,8 +1,9 @@
 //! How large the residual of a model is: against the noise, against the signal, and as a torque.
 
-use identify::{Record, TorqueOn, residual_torques};
+use identify::{Discrepancy, NoisySeries, Output, Record, TorqueOn, residual_torques};
 
 use crate::candidate::Candidate;
+use crate::remainder::residual;
 
 /// The size of the residual.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,8 +12,22 @@ pub struct Remains {
     pub over_noise: f64,
     /// The same remainder relative to the standard deviation of the measured series.
     pub over_signal: f64,
+    /// The series with this remainder, and the random process that describes its residual best; `None` if nothing
+    /// remains.
+    pub discrepancy: Option<SeriesDiscrepancy>,
     /// The largest torque that the model lacks; `None` if the logs show none.
     pub torque: Option<RemainingTorque>,
+}
+
+/// What a model does not explain in one series.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeriesDiscrepancy {
+    /// The experiment.
+    pub experiment: String,
+    /// The measured channel.
+    pub output: Output,
+    /// Its size, in the unit of the channel, with its correlation time and frequency.
+    pub process: Discrepancy,
 }
 
 /// A torque that a model lacks.
@@ -31,9 +46,11 @@ pub struct RemainingTorque {
 /// Computes the size of a candidate's residual over these records.
 pub fn remains(records: &[&Record], candidate: &Candidate) -> Remains {
     let (mut over_noise, mut over_signal) = (0.0, 0.0);
-    for (record, left) in records.iter().zip(&candidate.remainders) {
-        for (channel, &left) in record.channels.iter().zip(left) {
+    let mut largest = None;
+    for (at, (record, left)) in records.iter().zip(&candidate.remainders).enumerate() {
+        for (index, (channel, &left)) in record.channels.iter().zip(left).enumerate() {
             if left > over_noise {
+                largest = Some((at, index));
                 let samples = channel.samples.iter().copied();
                 let samples: Vec<f64> = samples.filter(|sample| sample.is_finite()).collect();
                 let n = samples.len().max(1) as f64;
@@ -45,6 +62,20 @@ pub fn remains(records: &[&Record], candidate: &Candidate) -> Remains {
             }
         }
     }
+    let discrepancy = largest.map(|(at, index)| {
+        let (record, channel) = (records[at], &records[at].channels[index]);
+        let predicted = &candidate.traces[at][index].predicted;
+        SeriesDiscrepancy {
+            experiment: record.name.clone(),
+            output: channel.output,
+            process: Discrepancy::of(&NoisySeries {
+                residual: &residual(&channel.samples, predicted),
+                time_s: &record.time_s,
+                weight: &record.weight,
+                noise_std: channel.noise_std,
+            }),
+        }
+    });
     let minimum = &candidate.minimum;
     let torques = records
         .iter()
@@ -65,6 +96,7 @@ pub fn remains(records: &[&Record], candidate: &Candidate) -> Remains {
     Remains {
         over_noise,
         over_signal,
+        discrepancy,
         torque: torques.max_by(|a, b| a.rms_nm.total_cmp(&b.rms_nm)),
     }
 }

@@ -1,7 +1,7 @@
 //! The first fit of a bench: the base model, started from what the samples show, and from other starts if that fit
 //! does not follow the logs.
 
-use plant::{GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
+use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
 
 use crate::bench::FitProblem;
 use crate::fit::{
@@ -26,6 +26,16 @@ const WINDOW_SAMPLES: [usize; 3] = [24, 64, 256];
 /// coarse log, the neighbouring local minimum is an oscillation of twice or half the frequency.
 const FACTORS: [f64; 2] = [0.4, 2.5];
 
+/// Logs of a body that swings with fewer samples than this in all are fitted from a whole range of inertias. Their noise cannot be
+/// told from their motion, so that no cost shows that a fit is stuck; and with two samples in a period, the guess from the
+/// samples may be wrong by any factor.
+const SPARSE_SAMPLES: usize = 60;
+/// Largest factor by which the guess of a sparse log may be wrong, to either side.
+const FARTHEST: f64 = 32.0;
+/// Step from one start to the next, in the logarithm of the inertia. Over the shortest windows, 8 samples at two samples in a
+/// period, the phase is then off by at most a tenth of a turn.
+const STEP: f64 = 0.05;
+
 /// Fits the base model to all records of a problem.
 pub fn first_fit(problem: &FitProblem, effort: Effort) -> Minimum {
     let records = problem.all_records();
@@ -37,7 +47,9 @@ pub fn first_fit(problem: &FitProblem, effort: Effort) -> Minimum {
     let mut doubtful = true;
     let mut look = |minimum: &Minimum| doubtful = is_doubtful(&records, minimum);
     let first = fit_in_stages(&records, &base, shown.clone(), &free, effort, &mut look);
-    if !doubtful && first.cost.is_finite() && !is_short_and_misses(&records, &first) {
+    let is_sparse = is_sparse(&records);
+    let is_good = !doubtful && first.cost.is_finite() && !is_short_and_misses(&records, &first);
+    if is_good && !is_sparse {
         return first;
     }
     let mut starts: Vec<Vec<f64>> = WINDOW_SAMPLES
@@ -54,6 +66,9 @@ pub fn first_fit(problem: &FitProblem, effort: Effort) -> Minimum {
             values[position] *= factor;
             starts.push(values);
         }
+    }
+    if is_sparse {
+        starts.extend(all_periods(&shown, &free));
     }
     let mut best = first;
     let mut is_rough = false;
@@ -72,6 +87,61 @@ pub fn first_fit(problem: &FitProblem, effort: Effort) -> Minimum {
         best = refit(&records, &base, best.values, best.windows, &free, effort);
     }
     best
+}
+
+/// Starts for every period within [`FARTHEST`] of that of `values`: another inertia of the body, or another gravity torque if the inertia
+/// is known.
+fn all_periods(values: &[f64], free: &[usize]) -> Vec<Vec<f64>> {
+    let Some(moved) = period_parameter(free) else {
+        return vec![];
+    };
+    let steps = (FARTHEST.ln() / STEP) as i32;
+    let scaled = |step: i32| {
+        let mut values = values.to_vec();
+        values[moved] *= (f64::from(step) * STEP).exp();
+        values
+    };
+    (-steps..=steps).map(scaled).collect()
+}
+
+/// The position of the free parameter that decides the period of the body.
+fn period_parameter(free: &[usize]) -> Option<usize> {
+    let mut body = [TOTAL_INERTIA, GRAVITY_TORQUE].into_iter();
+    body.find(|at| free.contains(at))
+}
+
+/// Odds up to which two periods fit a sparse log equally well (3 in their logarithm, as between effects that tie).
+const TIE: f64 = 3.0;
+/// Smallest difference of two inertias, in their logarithm, that belong to different periods of a sparse log.
+const OTHER_PERIOD: f64 = 0.1;
+
+/// The position of the parameter that decides the period of the body, and another value of it with which sparse logs are fitted
+/// as well as with that of this fit of the base model. The noise is unknown there: the evidence of a mean square is its power −n/2, with n the
+/// number of rows.
+pub(crate) fn other_period(problem: &FitProblem, fit: &Minimum) -> Option<(usize, f64)> {
+    let records = problem.all_records();
+    if !is_sparse(&records) {
+        return None;
+    }
+    let base = Model::base();
+    let free = problem.free(&base);
+    let at = period_parameter(&free)?;
+    let rows: usize = records.iter().map(|record| record.len()).sum();
+    let limit = fit.cost * (2.0 * TIE / rows as f64).exp();
+    all_periods(&fit.values, &free)
+        .into_iter()
+        .find_map(|values| {
+            let found = fit_from_scratch(&records, &base, values, &free, Effort::ROUGH);
+            let away = (found.values[at] / fit.values[at]).ln().abs();
+            (found.cost < limit && away > OTHER_PERIOD).then_some((at, found.values[at]))
+        })
+}
+
+/// Whether logs of a swinging body have next to no samples.
+fn is_sparse(records: &[&Record]) -> bool {
+    let swings = |record: &&&Record| matches!(record.kind, Kind::FreeSwing | Kind::Driven);
+    let samples = records.iter().filter(swings).map(|record| record.len());
+    (1..SPARSE_SAMPLES).contains(&samples.sum())
 }
 
 /// Whether a fit to few samples leaves more than noise. A χ² of n samples has mean n and variance 2 n.

@@ -10,7 +10,7 @@ use plant::{
 use crate::bench::{FitProblem, IdentifyError};
 use crate::errors::{Contradiction, Fit, body_inertia_contradiction, contradictions, finish};
 use crate::extension::{carry_over, extend};
-use crate::first_fit::first_fit;
+use crate::first_fit::{first_fit, other_period};
 use crate::fit::{
     Effort, Minimum, PredictedSeries, Unknowns, Window, acts, cost, failed_series, joined, refit,
     traces,
@@ -68,7 +68,7 @@ pub fn identify_until(
 }
 
 /// Rejects a fit that has failed: one that predicts the logs no better than their means, or one that leaves an inertia
-/// open. No motion can be computed without the inertias. An inertia that the logs do not show at all is not fitted and
+/// open, because its standard error is as large, or because a few rows are fitted as well by another period. No motion can be computed without the inertias. An inertia that the logs do not show at all is not fitted and
 /// does not count.
 ///
 /// # Errors
@@ -82,13 +82,21 @@ pub fn refuse_failed(problem: &FitProblem, fit: &Fit) -> Result<(), IdentifyErro
     if !series.is_empty() {
         return Err(IdentifyError::NoBetterThanMeans { series });
     }
-    match [TOTAL_INERTIA, WHEEL_INERTIA]
-        .into_iter()
-        .find_map(|position| open(fit, position))
-    {
-        Some(error) => Err(error),
-        None => Ok(()),
+    let mut inertias = [TOTAL_INERTIA, WHEEL_INERTIA].into_iter();
+    if let Some(error) = inertias.find_map(|position| open(fit, position)) {
+        return Err(error);
     }
+    if *model == Model::base()
+        && let Some((position, other)) = other_period(&problem, &fit.minimum)
+    {
+        let value = fit.values[position];
+        return Err(IdentifyError::InertiaOpen {
+            parameter: BASE_PARAMETERS[position].name,
+            value,
+            std: Some((other - value).abs()),
+        });
+    }
+    Ok(())
 }
 
 /// The error of a fit in which the parameter at this position is fitted and not determined: it lies on a bound of its

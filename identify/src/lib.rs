@@ -61,11 +61,11 @@ pub use records::{
     input_noise_std, noise_std, resolution,
 };
 pub use residuals::{
-    BreakdownBin, Coordinate, CorrelationTest, ExplainedTorque, FailureMap, FailureRegion,
-    FoundPush, LAGS, MeasuredMotion, PushModel, ResidualBreakdown, ResidualKind, ResidualStructure,
-    ResidualTorque, SIGNIFICANT, TorqueOn, autocorrelation, breakdown, cross_correlation,
-    effective_samples, find_pushes, half_bump, leave_out, residual_torque, residual_torques,
-    structure, without_rounding,
+    BreakdownBin, Coordinate, CorrelationTest, Discrepancy, ExplainedTorque, FailureMap,
+    FailureRegion, FoundPush, LAGS, MeasuredMotion, NoisySeries, PushModel, ResidualBreakdown,
+    ResidualKind, ResidualStructure, ResidualTorque, SIGNIFICANT, TorqueOn, autocorrelation,
+    breakdown, cross_correlation, effective_samples, find_pushes, half_bump, leave_out,
+    residual_torque, residual_torques, structure, without_rounding,
 };
 pub use shape_search::shaped_start;
 pub use statements::left_open;

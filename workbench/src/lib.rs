@@ -171,7 +171,7 @@ pub use recording::{
     RecordEnd, RecordReport, RecordSettings, RecordedExperiment, RecordedLog, RecordedSample,
     record,
 };
-pub use remains::{ClosedLoopDeviation, RemainsReport};
+pub use remains::{ClosedLoopDeviation, DiscrepancyReport, RemainsReport};
 pub use sensor_noise::BenchNoise;
 pub use session::Session;
 pub use shading::{FAILS_OVER_NOISE, Shading};

@@ -1,13 +1,13 @@
 //! The residual that no effect explains, and whether it matters.
 
 use design::torque_response;
-use diagnose::RemainingTorque;
+use diagnose::{RemainingTorque, SeriesDiscrepancy};
 use identify::{FitProblem, TorqueOn};
 use plant::torque_inputs;
 use serde::{Deserialize, Serialize};
 
 use crate::control_design::ControlDesign;
-use crate::numbers::significant;
+use crate::numbers::{significant, with_prefix};
 
 /// The size of the unexplained residual.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,6 +16,8 @@ pub struct RemainsReport {
     pub over_noise: f64,
     /// The same remainder relative to the standard deviation of the measured series.
     pub over_signal: f64,
+    /// What is not explained in the series with that remainder; `None` if nothing remains.
+    pub discrepancy: Option<DiscrepancyReport>,
     /// Root mean square of the missing torque in the experiment where it is largest, N m. `None` if the logs show no
     /// torque, or do not determine its scale.
     #[serde(rename = "torque_Nm")]
@@ -26,6 +28,35 @@ pub struct RemainsReport {
     pub experiment: Option<String>,
     /// The effect of a torque of that size on the controlled pendulum; `None` if no controller could be designed.
     pub closed_loop: Option<ClosedLoopDeviation>,
+}
+
+/// What no effect explains in a series, as a random process beside the noise of its sensor: with the covariance
+/// δ² exp(−|t − t′|/ℓ) cos ω(t − t′).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DiscrepancyReport {
+    /// The series, as "experiment/channel".
+    pub series: String,
+    /// Its standard deviation δ.
+    pub std: f64,
+    /// The unit of δ.
+    pub unit: String,
+    /// Its correlation time ℓ, s.
+    pub correlation_time_s: f64,
+    /// Its angular frequency ω, rad/s; 0 if it does not oscillate.
+    pub frequency_rad_s: f64,
+}
+
+impl DiscrepancyReport {
+    fn new(found: &SeriesDiscrepancy) -> DiscrepancyReport {
+        let output = found.output;
+        DiscrepancyReport {
+            series: format!("{}/{}", found.experiment, output.name()),
+            std: found.process.std,
+            unit: output.unit().to_owned(),
+            correlation_time_s: found.process.time_s,
+            frequency_rad_s: found.process.frequency_rad_s,
+        }
+    }
 }
 
 /// The root mean square deviation of the controlled pendulum, under a torque of the frequency to which the loop is
@@ -54,6 +85,7 @@ impl RemainsReport {
         RemainsReport {
             over_noise: found.over_noise,
             over_signal: found.over_signal,
+            discrepancy: found.discrepancy.as_ref().map(DiscrepancyReport::new),
             torque_nm: torque.map(|torque| torque.rms_nm),
             torque_on: torque.map(|torque| name(torque.on).to_owned()),
             experiment: torque.map(|torque| torque.experiment.clone()),
@@ -68,6 +100,14 @@ impl RemainsReport {
             significant(self.over_noise, 2),
             significant(100.0 * self.over_signal, 2)
         );
+        if let Some(found) = &self.discrepancy {
+            text.push_str(&format!(
+                " It is a deviation of {} ({}) with a correlation time of {} s.",
+                with_prefix(found.std, &found.unit),
+                found.series,
+                significant(found.correlation_time_s, 2)
+            ));
+        }
         if let (Some(torque), Some(on), Some(experiment)) =
             (self.torque_nm, &self.torque_on, &self.experiment)
         {

@@ -1,6 +1,7 @@
 //! Tests of the exam, and of the diagnosis with the exam's benches.
 
 mod cancelled;
+mod clock;
 mod cogging;
 mod data;
 mod examined;

@@ -89,7 +89,8 @@ impl FitProblem {
 /// Whether a record is too coarse for an estimate of its noise from differences.
 fn is_coarse(record: &Record, period_s: f64) -> bool {
     let n = record.len();
-    if record.kind == Kind::Balance || n < 2 {
+    // The noise of a clock that jitters was found at the logged times.
+    if record.kind == Kind::Balance || record.clock_jitter_s.is_some() || n < 2 {
         return false;
     }
     let interval_s = (record.time_s[n - 1] - record.time_s[0]) / (n - 1) as f64;

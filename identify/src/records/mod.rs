@@ -3,6 +3,7 @@
 mod angle;
 mod averages;
 mod charge;
+mod jitter;
 mod noise;
 mod record;
 mod statistics;

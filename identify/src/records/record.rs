@@ -8,6 +8,7 @@ pub use plant::Output;
 use plant::{Hold, Input, Kind};
 
 use super::averages::{blocks, means, middles};
+use super::jitter::{jitter, shared};
 use super::noise::{
     least_noise_std, noise_by_differences, resolution, steps_of_command, without_floor,
 };
@@ -139,6 +140,8 @@ pub struct Record {
     pub window_s: f64,
     /// Whether the measured angle leaves ±π.
     pub passes_over_the_top: bool,
+    /// Standard deviation in s by which the times of the samples are off at random, if that makes a part of their noise.
+    pub clock_jitter_s: Option<f64>,
     /// How many samples of the recorded log each sample here is the average of; 1 for a log as recorded.
     pub averaged_over: usize,
     /// The wheel angles of [`Record::wheel_angles`], if they were measured, or if more samples were available than this
@@ -159,8 +162,52 @@ fn mean(samples: &[f64]) -> f64 {
 
 impl Record {
     /// Prepares a record from samples in SI units. `angle`, `rate` and `wheel_speed` may be missing; those that this kind
-    /// of experiment holds still are ignored.
+    /// of experiment holds still are ignored. Where the clock jitters, the noise contains what that makes of the motion.
     pub fn new(
+        name: &str,
+        kind: Kind,
+        time_s: Vec<f64>,
+        outputs: [Option<Vec<f64>>; 3],
+        current_a: Option<Vec<f64>>,
+        current_is_measured: bool,
+    ) -> Record {
+        let mut record =
+            Record::of_samples(name, kind, time_s, outputs, current_a, current_is_measured);
+        record.find_jitter();
+        record
+    }
+
+    /// Finds out whether the clock jitters, and gives every channel the noise that follows.
+    fn find_jitter(&mut self) {
+        if self.kind == Kind::Balance {
+            return;
+        }
+        let kinks = self.kinks();
+        let (mut places, mut found) = (vec![], vec![]);
+        for (index, channel) in self.channels.iter().enumerate() {
+            // Rounding is no noise while a motion stands still between two steps, and noise while it crosses them.
+            if channel.quantum.is_none()
+                && let Some(one) = jitter(&self.time_s, &channel.samples, &kinks)
+            {
+                places.push(index);
+                found.push(one);
+            }
+        }
+        self.clock_jitter_s = shared(&self.time_s, &found);
+        let Some(jitter_s) = self.clock_jitter_s else {
+            return;
+        };
+        for (index, one) in places.into_iter().zip(found) {
+            let of_clock = jitter_s * jitter_s * one.slope_square;
+            let channel = &mut self.channels[index];
+            channel.noise_std = channel
+                .noise_std
+                .max((one.noise_variance + of_clock).sqrt());
+        }
+    }
+
+    /// As [`Record::new`], for samples of a clock that is known or not asked about.
+    fn of_samples(
         name: &str,
         kind: Kind,
         time_s: Vec<f64>,
@@ -215,6 +262,7 @@ impl Record {
                 Kind::FreeSwing | Kind::SpinUp | Kind::Driven => f64::INFINITY,
             },
             passes_over_the_top,
+            clock_jitter_s: None,
             averaged_over: 1,
             turned_rad: None,
             turned_noise_rad: None,
@@ -345,7 +393,7 @@ impl Record {
             Some(middles(&channel.samples, &blocks, &kinks))
         });
         let current_a = (!self.current_a.is_empty()).then(|| means(&self.current_a, &blocks));
-        let mut averaged = Record::new(
+        let mut averaged = Record::of_samples(
             &self.name,
             self.kind,
             means(&self.time_s, &blocks),
@@ -371,7 +419,7 @@ impl Record {
         let outputs =
             Output::ALL.map(|output| self.channel(output).map(|channel| pick(&channel.samples)));
         let current_a = (!self.current_a.is_empty()).then(|| pick(&self.current_a));
-        let mut part = Record::new(
+        let mut part = Record::of_samples(
             &self.name,
             self.kind,
             pick(&self.time_s),
@@ -391,6 +439,7 @@ impl Record {
         part.turned_noise_rad = self.turned_noise_rad;
         part.teeth = self.teeth;
         part.averaged_over = self.averaged_over;
+        part.clock_jitter_s = self.clock_jitter_s;
         part
     }
 

@@ -4,12 +4,14 @@
 //! |---|---|
 //! | `correlation` | whether the residual is correlated with itself or with the input |
 //! | `structure` | how much of the residual is more than noise |
+//! | `discrepancy` | what no model explains, as a random process beside the noise |
 //! | `residual_torque` | the missing torque, over time |
 //! | `pushes` | unrecorded pushes: found, sized, left out of the fit |
 //! | `breakdown` | where a model fails: its residual over time, amplitude, angle, speed, current |
 
 mod breakdown;
 mod correlation;
+mod discrepancy;
 mod pushes;
 mod residual_torque;
 mod structure;
@@ -23,6 +25,7 @@ pub use breakdown::{
 pub use correlation::{
     CorrelationTest, LAGS, autocorrelation, cross_correlation, effective_samples,
 };
+pub use discrepancy::{Discrepancy, NoisySeries};
 pub use pushes::{FoundPush, PushModel, find_pushes, leave_out};
 pub(crate) use pushes::{find_disturbances, is_slow, samples_in_window};
 pub use residual_torque::{
