@@ -47,15 +47,10 @@ pub fn file(emitted: &EmittedCrate) -> EmittedFile {
     }
     sensors.push_str(&body.text);
     sensors.push_str(&wheel.text);
-    let shown_by = match has_field("body_count") {
-        true => "&controller",
-        false => "&controller.attitude",
-    };
     let text = FRAME
         .replace("BODY_WORDS", body.words)
         .replace("WHEEL_WORDS", wheel.words)
         .replace("BITS_OF_THE_DUTY", documented.duty_bits())
-        .replace("SHOWN_BY", shown_by)
         .replace("SENSORS\n", &sensors);
     EmittedFile {
         path: "examples/flywheel/flywheel.ino".to_string(),

@@ -60,11 +60,7 @@ fn all_benches() -> [Bench; 5] {
         Bench {
             spec: with_body_encoder(thesis::spec()),
             registers: &["body angle: encoder counts 0 to 4095, 4096 a turn"],
-            has: &[
-                "ENCODER = 0x36",
-                "sample.body_count = word_of",
-                "flywheel_angle(&controller)",
-            ],
+            has: &["ENCODER = 0x36", "sample.body_count = word_of"],
             is_left_to_the_user: false,
         },
         Bench {

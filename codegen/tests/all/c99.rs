@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 
 use codegen::hardware::{BiasObserverSpec, BodySensor};
 use codegen::{EmittedCrate, EmittedFile, c99, generate};
-use generated::{Angle, Controller, Current, Rate, Sample, WheelSpeed, control};
+use generated::{Angle, Controller, Current, Rate, Sample, WheelSpeed, control, wheel_speed};
 use nalgebra::{Matrix3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -16,6 +16,8 @@ use numbers::Expected;
 
 #[path = "c99/damage.rs"]
 mod damage;
+#[path = "c99/monitor.rs"]
+mod monitor;
 #[path = "c99/numbers.rs"]
 mod numbers;
 use crate::{benches, thesis};
@@ -117,21 +119,63 @@ const BODY_IN_RUST: [(&str, &str); 3] = [
     ),
 ];
 
+/// What is other in the harnesses where an encoder shows the wheel's speed: its turns are counted apart from the
+/// controller's, as a firmware counts them.
+const WHEEL_IN_C: [(&str, &str); 3] = [
+    (
+        "uint8_t what;",
+        "uint8_t what;\n    flywheel_encoder_t encoder;\n    flywheel_encoder_init(&encoder);",
+    ),
+    (
+        "flywheel_wheel_speed(sample.wheel_count)",
+        "flywheel_wheel_speed(flywheel_encoder_turned(&encoder, &FLYWHEEL_WHEEL_ENCODER))",
+    ),
+    (
+        "switch (what) {",
+        "flywheel_encoder_update(&encoder, sample.wheel_count, &FLYWHEEL_WHEEL_ENCODER);\n        switch (what) {",
+    ),
+];
+const WHEEL_IN_RUST: [(&str, &str); 3] = [
+    (
+        "let mut bytes = ",
+        "let mut encoder = generated::encoder::Encoder::new();\n    \
+         let numbers = &generated::constants::WHEEL_ENCODER;\n    let mut bytes = ",
+    ),
+    (
+        "wheel_speed(sample.wheel_count)",
+        "wheel_speed(encoder.turned(numbers))",
+    ),
+    (
+        "let first = ",
+        "encoder.update(sample.wheel_count, numbers);\n        let first = ",
+    ),
+];
+
+/// A harness's text with these changes, each of which it must take.
+fn changed(text: &str, changes: &[(&str, &str)]) -> String {
+    changes.iter().fold(text.to_owned(), |text, (old, new)| {
+        assert!(text.contains(old), "{old}");
+        text.replace(old, new)
+    })
+}
+
 /// Writes the C of an emitted crate, and the harness beside it.
 fn written(emitted: &EmittedCrate, folder: &Path) -> EmittedCrate {
     let wheel = wheel_field(emitted);
-    let has_body_encoder = has_body_encoder(emitted);
-    let emitted = c99::emit(emitted).expect("a translation");
-    emitted.write(folder).expect("written");
+    let translated = c99::emit(emitted).expect("a translation");
+    translated.write(folder).expect("written");
     let mut harness = include_str!("c99/harness.c").replace("wheel_adc", wheel);
-    if has_body_encoder {
-        for (old, new) in BODY_IN_C {
-            assert!(harness.contains(old), "{old}");
-            harness = harness.replace(old, new);
-        }
+    if monitor::has_monitor(emitted) {
+        harness = changed(&harness, &monitor::IN_C).replace("WHEEL", wheel);
+    }
+    if wheel == "wheel_count" {
+        harness = changed(&harness, &WHEEL_IN_C);
+    }
+    if has_body_encoder(emitted) {
+        harness = changed(&harness, &BODY_IN_C);
     }
     fs::write(folder.join("src/harness.c"), harness).expect("written");
-    emitted
+    translated
 }
 
 const WARNINGS: [&str; 6] = [
@@ -217,6 +261,7 @@ impl Call {
                 let current = Current::from_bits(a);
                 i32::from(controller.step_with_current(&sample, current).0)
             }
+            7 => wheel_speed(self.wheel_adc).to_bits(),
             _ => {
                 let (angle, rate) = (Angle::from_bits(a), Rate::from_bits(b));
                 control(angle, rate, WheelSpeed::from_bits(c)).to_bits()
@@ -312,7 +357,8 @@ impl Calls {
             40 => 2,
             41 => 3,
             42..80 => 5,
-            80..120 => 6,
+            80..110 => 6,
+            110..120 => 7,
             _ => 4,
         };
         let what = self.calls.unwrap_or(any);
@@ -367,6 +413,15 @@ impl Calls {
 
 /// What a program that speaks the harness's language answers; it ends where the program does.
 fn answers(program: &mut Command, seed: u64, calls: usize) -> Vec<[i32; 8]> {
+    let mut source = Calls::new(seed);
+    answers_to(program, (0..calls).map(move |_| source.next()))
+}
+
+/// The same for these calls.
+fn answers_to(
+    program: &mut Command,
+    calls: impl Iterator<Item = Call> + Send + 'static,
+) -> Vec<[i32; 8]> {
     let mut child = program
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
@@ -374,10 +429,9 @@ fn answers(program: &mut Command, seed: u64, calls: usize) -> Vec<[i32; 8]> {
         .expect("the harness runs");
     let mut input = BufWriter::new(child.stdin.take().expect("standard input"));
     let writer = std::thread::spawn(move || {
-        let mut source = Calls::new(seed);
-        for _ in 0..calls {
+        for call in calls {
             // A harness that has ended says so by what it does not answer.
-            if input.write_all(&source.next().bytes()).is_err() {
+            if input.write_all(&call.bytes()).is_err() {
                 return;
             }
         }
@@ -427,18 +481,20 @@ fn rust_harness(emitted: &EmittedCrate, folder: &Path) -> Command {
     let harness = folder.join("harness-in-rust");
     fs::create_dir_all(harness.join("src")).expect("a folder");
     let (wheel, source) = (wheel_field(emitted), include_str!("c99/harness.rs"));
-    let source = match wheel {
+    let mut source = match wheel {
         "wheel_speed" => source.replace("wheel_adc: word(13) as u16", "wheel_speed: word(13)"),
-        _ => source.replace("wheel_adc", wheel),
-    };
-    let changes = has_body_encoder(emitted).then_some(BODY_IN_RUST);
-    let source = changes
-        .into_iter()
-        .flatten()
-        .fold(source, |source, (old, new)| {
-            assert!(source.contains(old), "{old}");
-            source.replace(old, new)
-        });
+        _ => source.to_owned(),
+    }
+    .replace("wheel_adc", wheel);
+    if monitor::has_monitor(emitted) {
+        source = changed(&source, &monitor::IN_RUST).replace("WHEEL", wheel);
+    }
+    if wheel == "wheel_count" {
+        source = changed(&source, &WHEEL_IN_RUST);
+    }
+    if has_body_encoder(emitted) {
+        source = changed(&source, &BODY_IN_RUST);
+    }
     fs::write(harness.join("src/main.rs"), source).expect("written");
     let manifest = "[package]\nname = \"harness\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n\
                     [dependencies]\ngenerated = { path = \"../crate\" }\n\n[workspace]\n";
@@ -507,6 +563,30 @@ fn c_and_rust_answer_alike_on_a_bench_that_uses_everything() {
     assert_eq!(difference(&c, &rust), None, "seed {seed}");
 }
 
+/// Every wheel sensor's counts, one after another: the speed that a firmware hands to the monitor and to its frames.
+#[test]
+#[cfg_attr(not(have_gcc), ignore = "needs gcc")]
+fn every_count_of_the_wheel_has_one_speed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    written(&committed(), folder.path());
+    compile(folder.path(), "-O1").expect("no warning");
+    let asked = |wheel_adc: u16| Call {
+        what: 7,
+        gyro: [0; 3],
+        accel: [0; 3],
+        wheel_adc,
+        words: [0; 3],
+    };
+    let c = answers_to(
+        &mut Command::new(folder.path().join("harness")),
+        (0..=u16::MAX).map(asked),
+    );
+    assert_eq!(c.len(), 1 << 16);
+    for (count, answer) in (0..=u16::MAX).zip(c) {
+        assert_eq!(answer[0], wheel_speed(count).to_bits(), "count {count}");
+    }
+}
+
 /// The other sensors of the wheel, a voltage drive, and an encoder on the pivot.
 #[test]
 #[cfg_attr(not(have_gcc), ignore = "needs gcc")]
@@ -532,8 +612,20 @@ fn c_and_rust_answer_alike_on_other_benches() {
 #[test]
 #[cfg_attr(not(have_cross_gcc), ignore = "needs the cross compilers")]
 fn every_core_compiles_it_without_a_warning_and_without_memcpy() {
+    let others = [
+        benches::with_driver(),
+        benches::with_wheel_encoder(8),
+        benches::with_body_encoder(thesis::spec()),
+    ];
+    let others = others.map(|spec| generate(&spec).expect("an emitted crate"));
+    for emitted in [committed()].into_iter().chain(others) {
+        every_core_compiles(&emitted);
+    }
+}
+
+fn every_core_compiles(emitted: &EmittedCrate) {
     let folder = tempfile::tempdir().expect("a folder");
-    written(&committed(), folder.path());
+    written(emitted, folder.path());
     for (compiler, options) in [
         ("avr-gcc", &["-mmcu=atmega328p"][..]),
         ("arm-none-eabi-gcc", &["-mcpu=cortex-m0", "-mthumb"]),
@@ -544,19 +636,17 @@ fn every_core_compiles_it_without_a_warning_and_without_memcpy() {
         ),
         ("xtensa-lx106-elf-gcc", &[]),
     ] {
-        for optimisation in ["-Os", "-O2"] {
+        for (file, optimisation) in [
+            ("flywheel.c", "-Os"),
+            ("flywheel.c", "-O2"),
+            ("flywheel_loop.c", "-Os"),
+            ("flywheel_loop.c", "-O2"),
+        ] {
             let result = Command::new(compiler)
                 .current_dir(folder.path().join("src"))
                 .args(options)
                 .args(WARNINGS)
-                .args([
-                    optimisation,
-                    "-ffreestanding",
-                    "-c",
-                    "flywheel.c",
-                    "-o",
-                    "it.o",
-                ])
+                .args([optimisation, "-ffreestanding", "-c", file, "-o", "it.o"])
                 .output()
                 .expect("the compiler runs");
             let said = String::from_utf8_lossy(&result.stderr);

@@ -27,6 +27,7 @@ int main(void) {
         case 3: flywheel_fault(&controller); break;
         case 4: answer[0] = flywheel_step(&controller, &sample); break;
         case 5: answer[0] = flywheel_step_with_current(&controller, &sample, words[0]); break;
+        case 7: answer[0] = flywheel_wheel_speed(sample.wheel_adc); break;
         default: answer[0] = flywheel_control(words[0], words[1], words[2]); break;
         }
         answer[1] = (int32_t)flywheel_status(&controller);

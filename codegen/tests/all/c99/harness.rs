@@ -2,7 +2,7 @@
 
 use std::io::{BufReader, BufWriter, Read, Write};
 
-use generated::{Angle, Controller, Current, Rate, Sample, WheelSpeed, control};
+use generated::{Angle, Controller, Current, Rate, Sample, WheelSpeed, control, wheel_speed};
 
 fn main() {
     let mut input = BufReader::new(std::io::stdin().lock());
@@ -35,6 +35,7 @@ fn main() {
             }
             4 => i32::from(controller.step(&sample).0),
             5 => i32::from(controller.step_with_current(&sample, Current::from_bits(a)).0),
+            7 => wheel_speed(sample.wheel_adc).to_bits(),
             _ => {
                 let (angle, rate) = (Angle::from_bits(a), Rate::from_bits(b));
                 control(angle, rate, WheelSpeed::from_bits(c)).to_bits()
