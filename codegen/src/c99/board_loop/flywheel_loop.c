@@ -43,17 +43,26 @@ static void put_32(uint8_t *bytes, uint32_t word) {
     put_16(bytes + 2, (uint16_t)(word >> 16));
 }
 
-/* The controller's word for a current in uA, given as its bits; beyond the range of the word, the end of the range. */
+/* The controller's word for a current in uA, given as its bits: bit by bit, since a chip of 8 bits has no room for a
+ * division of 64. Beyond the range of the word, the end of the range. */
 static int32_t current_word(uint32_t bits) {
-    const int64_t current_ua = bits > 0x7FFFFFFFu ? (int64_t)bits - INT64_C(0x100000000) : (int64_t)bits;
-    const int64_t word = current_ua * (INT64_C(1) << FLYWHEEL_CURRENT_FRACTION_BITS) / 1000000;
-    if (word < -INT32_C(0x7FFFFFFF)) {
-        return -INT32_C(0x7FFFFFFF);
+    const uint8_t is_negative = bits > 0x7FFFFFFFu;
+    const uint32_t magnitude_ua = is_negative != 0u ? 0u - bits : bits;
+    uint32_t word = magnitude_ua / 1000000u;
+    uint32_t rest = magnitude_ua % 1000000u;
+    for (uint8_t bit = 0; bit < FLYWHEEL_CURRENT_FRACTION_BITS; bit++) {
+        if (word > 0x3FFFFFFFu) {
+            word = 0x7FFFFFFFu;
+            break;
+        }
+        word *= 2u;
+        rest *= 2u;
+        if (rest >= 1000000u) {
+            rest -= 1000000u;
+            word += 1u;
+        }
     }
-    if (word > INT32_C(0x7FFFFFFF)) {
-        return INT32_C(0x7FFFFFFF);
-    }
-    return (int32_t)word;
+    return is_negative != 0u ? -(int32_t)word : (int32_t)word;
 }
 
 void flywheel_loop_init(flywheel_loop_t *self) {
