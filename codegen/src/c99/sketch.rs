@@ -89,9 +89,9 @@ impl Documented<'_> {
 
     fn duty_bits(&self) -> &str {
         let drive = self.hardware().find(|line| line.starts_with("drive: "));
-        let after = drive.and_then(|line| line.split_once(" of a timer of "));
-        let bits = after.and_then(|(_, bits)| bits.split_once(" bits"));
-        bits.map_or(DUTY_BITS, |(bits, _)| bits)
+        let before = drive.and_then(|line| line.split_once(" bits, "));
+        let bits = before.and_then(|(before, _)| before.rsplit(' ').next());
+        bits.unwrap_or(DUTY_BITS)
     }
 }
 
