@@ -2,13 +2,14 @@
 //! pendulum at the other end of a pseudo-terminal. The program records it, identifies, diagnoses,
 //! designs and generates; the firmware is compiled with the new module, which then balances.
 
+mod arduino;
 mod firmware;
 mod hand;
 mod line;
 mod pivot;
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use hand::{Scene, Truth};
@@ -108,12 +109,22 @@ fn recorded(bench: &Path, on: &SimulatedBench, more: &[&str]) -> serde_json::Val
 
 #[test]
 fn what_is_recorded_becomes_the_controller_that_balances() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let first = firmware::compiled(&root.join("generated"), "first", "");
+    from_bench_to_bench(&first, |model, out| {
+        let [model, place] = [model, out].map(|path| path.to_str().expect("a path"));
+        done(&["generate", model, "--out", place]);
+        firmware::compiled(out, "second", "")
+    });
+}
+
+/// The whole way, from a program that runs the thesis' controller; `again` makes one that runs the controller of a model, in
+/// a folder.
+fn from_bench_to_bench(first: &Path, again: impl Fn(&Path, &Path) -> PathBuf) {
     let folder = bench_folder();
     let bench = folder.path();
     let place = bench.to_str().expect("a path");
     let truth = Truth::with_dry_friction();
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let first = firmware::compiled(&root.join("generated"), "first", "");
     // One frame in a hundred is damaged, one in two hundred lost.
     let faults = Faults {
         damaged: 0.01,
@@ -121,7 +132,7 @@ fn what_is_recorded_becomes_the_controller_that_balances() {
         cut: 0.0,
         seed: 20_261_129,
     };
-    let on = SimulatedBench::start(&first, &truth, faults);
+    let on = SimulatedBench::start(first, &truth, faults);
     println!("seed {}", faults.seed);
 
     on.scene(Scene::Swing { from_rad: 0.6 });
@@ -243,11 +254,9 @@ fn what_is_recorded_becomes_the_controller_that_balances() {
 
     // The controller of the identified model, compiled into the firmware, on the same bench.
     let model = bench.join("model.toml");
-    let model = model.to_str().expect("a path");
-    done(&["design", model]);
+    done(&["design", model.to_str().expect("a path")]);
     let out = bench.join("controller");
-    done(&["generate", model, "--out", out.to_str().expect("a path")]);
-    let second = firmware::compiled(&out, "second", "");
+    let second = again(&model, &out);
     let on = SimulatedBench::start(&second, &truth, Faults::NONE);
     on.scene(Scene::Upright { from_rad: 0.08 });
     let balance = recorded(

@@ -52,6 +52,11 @@ fn compiled() -> &'static PathBuf {
     program
 }
 
+/// The folder of a bench with the encoder that has no log yet.
+pub fn folder() -> tempfile::TempDir {
+    folder_with(&with_encoder(BENCH))
+}
+
 /// The numbers of a log, row by row.
 fn rows(log: &serde_json::Value) -> Vec<Vec<f64>> {
     let text = fs::read_to_string(log["file"].as_str().expect("a file")).expect("the log");
@@ -63,7 +68,7 @@ fn rows(log: &serde_json::Value) -> Vec<Vec<f64>> {
 /// damaged is counted. The log identifies the body.
 #[test]
 fn a_long_swing_over_a_bad_line_is_whole() {
-    let folder = folder_with(&with_encoder(BENCH));
+    let folder = folder();
     let faults = Faults {
         damaged: 0.004,
         lost: 0.003,
@@ -130,7 +135,7 @@ fn a_long_swing_over_a_bad_line_is_whole() {
 /// itself (`line.rs` looks at its duty). Plugged in again, the next record begins by itself.
 #[test]
 fn a_line_that_is_unplugged_ends_the_record_and_can_be_plugged_in_again() {
-    let folder = folder_with(&with_encoder(BENCH));
+    let folder = folder();
     let on = SimulatedBench::start(compiled(), &Truth::with_dry_friction(), Faults::NONE);
     on.scene(Scene::UnpluggedAfter { seconds: 2.0 });
     let spin_up = [
@@ -154,7 +159,7 @@ fn a_line_that_is_unplugged_ends_the_record_and_can_be_plugged_in_again() {
 /// The encoder's controller is armed, balances on the bench with dry friction, and its log has the states that it saw.
 #[test]
 fn the_controller_for_an_encoder_balances_and_is_recorded() {
-    let folder = folder_with(&with_encoder(BENCH));
+    let folder = folder();
     let on = SimulatedBench::start(compiled(), &Truth::with_dry_friction(), Faults::NONE);
     on.scene(Scene::Upright { from_rad: 0.05 });
     let record = recorded(

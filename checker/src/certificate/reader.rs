@@ -15,6 +15,9 @@ pub use crate::certificate::stated_decimal::StatedDecimal;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Certificate {
+    /// Language of the emitted files if it is not Rust. Such files are not read here; their words are those of the Rust.
+    #[serde(default)]
+    pub language: Option<String>,
     /// Identification of the generator.
     pub generator: String,
     /// Version of this file's layout.

@@ -3,17 +3,18 @@
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use super::definitions::{collect, type_definitions};
-use super::items::{Function, FunctionKey, Items, Passing};
+use super::header::header;
+use super::items::{FunctionKey, Items, Passing};
 use super::names::{PUBLIC, PUBLIC_CONSTANTS, function_name, is_public};
 use super::scope::{CPlace, Scope};
 use super::statement::Target;
 use super::types::{ItemKey, Type, type_name};
-use super::{Result, Untranslatable, comments, constants, library, sketch};
+use super::{Result, Untranslatable, board_loop, comments, constants, library, sketch};
 use crate::file::{EmittedCrate, EmittedFile};
 
 /// A translated function.
-struct Translated {
-    prototype: String,
+pub(super) struct Translated {
+    pub prototype: String,
     body: Vec<String>,
 }
 
@@ -86,6 +87,18 @@ pub fn emit(emitted: &EmittedCrate) -> Result<EmittedCrate> {
             collect(&items, &Type::Struct(key), &mut shown);
         }
     }
+    for (module, name) in PUBLIC_CONSTANTS {
+        let key = (module.to_string(), name.to_string());
+        if let Some(constant) = items.constants.get(&key) {
+            collect(&items, &constant.ty, &mut shown);
+        }
+    }
+    for key in functions.keys().filter(|key| is_public(key)) {
+        let parameters = items.functions.get(key).map(|own| &own.parameters);
+        for (_, ty) in parameters.into_iter().flatten() {
+            collect(&items, ty, &mut shown);
+        }
+    }
     let title = title(emitted);
     let source = source(&Parts {
         items: &items,
@@ -104,7 +117,12 @@ pub fn emit(emitted: &EmittedCrate) -> Result<EmittedCrate> {
         file("src/flywheel.h", header),
         file("src/flywheel.c", source),
     ];
-    files.extend(library::files(&emitted.name(), &title));
+    files.extend(board_loop::files(emitted));
+    files.extend(library::files(
+        &emitted.name(),
+        &title,
+        emitted.file("src/monitor.rs").is_some(),
+    ));
     files.push(sketch::file(emitted));
     files.push(file("certificate.json", certificate(emitted)?));
     Ok(EmittedCrate { files })
@@ -199,67 +217,6 @@ fn translate(items: &Items, key: &FunctionKey) -> Result<(Translated, super::sco
         body.insert(0, "    (void)self;".to_string());
     }
     Ok((Translated { prototype, body }, scope.needs))
-}
-
-fn header(
-    items: &Items,
-    title: &str,
-    functions: &BTreeMap<FunctionKey, Translated>,
-    constants: &BTreeMap<ItemKey, String>,
-    types: &BTreeSet<ItemKey>,
-) -> String {
-    let mut text = format!(
-        "/* {title} */\n\
-         #ifndef FLYWHEEL_H\n#define FLYWHEEL_H\n\n#include <stdint.h>\n\n\
-         /* Fixed-point controller of a reaction-wheel pendulum: raw sensor counts in, duty of the timer out.\n \
-         *\n \
-         *     flywheel_init(&controller);\n \
-         *     every FLYWHEEL_SAMPLE_TIME_US:\n \
-         *         duty = flywheel_step(&controller, &sample);\n \
-         *     when the user wants it: flywheel_arm(&controller); (also after a trip)\n \
-         *\n \
-         * Words are whole numbers; each stands for its value times a power of two that is stated where it is\n \
-         * used. Booleans are 0 and 1. No function keeps anything but what it is given, and none fails.\n \
-         */\n\n\
-         #ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n"
-    );
-    for (module, name) in PUBLIC_CONSTANTS {
-        let key = (module.to_string(), name.to_string());
-        if let Some(constant) = constants.get(&key) {
-            text.push_str(constant);
-            text.push('\n');
-        }
-    }
-    text.push_str(&type_definitions(items, types));
-    for (module, owner, name, _) in PUBLIC {
-        let key = (
-            module.to_string(),
-            owner.map(str::to_string),
-            name.to_string(),
-        );
-        if let (Some(translated), Some(function)) = (functions.get(&key), items.functions.get(&key))
-        {
-            let mut lines = comments::lines(&function.attributes);
-            lines.extend(formats(items, function));
-            text.push_str(&comments::before(&lines, ""));
-            text.push_str(&format!("{};\n\n", translated.prototype));
-        }
-    }
-    text + "#ifdef __cplusplus\n}\n#endif\n\n#endif\n"
-}
-
-/// The meaning of the words of a function's parameters: the documentation of their types.
-fn formats(items: &Items, function: &Function) -> Vec<String> {
-    if function.module != "control" {
-        return vec![];
-    }
-    let words = items.words.iter();
-    let own = words.filter(|((module, _), _)| module == "control");
-    own.map(|((_, name), (_, attributes))| {
-        let lines = comments::lines(attributes);
-        format!("{name}: {}", lines.join(" "))
-    })
-    .collect()
 }
 
 struct Parts<'a> {

@@ -24,6 +24,8 @@ pub struct Function {
     pub returns: Type,
     /// Whether the result is a reference to a part of the receiver.
     pub returns_reference: bool,
+    /// The words of the law among its parameters, by name, and its result as `returns`.
+    pub words: Vec<(String, ItemKey)>,
     /// Its body.
     pub body: syn::Block,
     /// Its documentation.
@@ -83,6 +85,8 @@ pub struct Items {
     pub structs: BTreeMap<ItemKey, Struct>,
     /// Structures around one number, and words of `fixed`: the number, and the documentation.
     pub words: BTreeMap<ItemKey, (Type, Vec<Attribute>)>,
+    /// The number of fraction bits of the words that have a name of their own: `Angle` and the others of the law.
+    pub fraction_bits: BTreeMap<ItemKey, u32>,
     /// Enumerations.
     pub enums: BTreeMap<ItemKey, Enum>,
     /// Constants.
@@ -159,6 +163,9 @@ impl Items {
                 _ => fault(module, format!("the structure {}", item.ident)),
             },
             Item::Type(item) => {
+                if let Some(bits) = fraction_bits(&item.ty) {
+                    self.fraction_bits.insert(key(&item.ident), bits);
+                }
                 let word = (Type::Int(Int::I32), item.attrs.clone());
                 self.words.insert(key(&item.ident), word);
                 Ok(())
@@ -282,7 +289,7 @@ impl Items {
         let name = signature.ident.to_string();
         let place = format!("{module}::{name}");
         let owner_type = owner.as_deref();
-        let (mut receiver, mut parameters) = (None, vec![]);
+        let (mut receiver, mut parameters, mut words) = (None, vec![], vec![]);
         for input in &signature.inputs {
             match input {
                 FnArg::Receiver(own) => {
@@ -296,8 +303,9 @@ impl Items {
                     let Pat::Ident(pattern) = &*typed.pat else {
                         return fault(&place, "this parameter");
                     };
-                    let ty = self.type_within(module, owner_type, &typed.ty)?;
-                    parameters.push((pattern.ident.to_string(), ty));
+                    let (name, ty) = (pattern.ident.to_string(), &typed.ty);
+                    words.extend(self.word(module, ty).map(|word| (name.clone(), word)));
+                    parameters.push((name, self.type_within(module, owner_type, ty)?));
                 }
             }
         }
@@ -308,6 +316,10 @@ impl Items {
                 matches!(**ty, syn::Type::Reference(_)),
             ),
         };
+        if let ReturnType::Type(_, ty) = &signature.output {
+            let word = self.word(module, ty);
+            words.extend(word.map(|word| ("returns".to_string(), word)));
+        }
         let key = (module.to_string(), owner.clone(), name.clone());
         self.function_order.push(key.clone());
         let own = Function {
@@ -318,11 +330,21 @@ impl Items {
             parameters,
             returns,
             returns_reference,
+            words,
             body,
             attributes,
         };
         self.functions.insert(key, own);
         Ok(())
+    }
+
+    /// The word of the law that a type in a module is; `None` for another type.
+    fn word(&self, module: &str, ty: &syn::Type) -> Option<ItemKey> {
+        let syn::Type::Path(path) = ty else {
+            return None;
+        };
+        let key = self.resolve(module, &last(&path.path));
+        self.fraction_bits.contains_key(&key).then_some(key)
     }
 
     /// The declaration that a name in a module refers to.
@@ -425,6 +447,16 @@ pub fn suffix(value: &syn::Lit) -> Option<Int> {
         syn::Lit::Int(value) => Int::from_name(value.suffix()),
         _ => None,
     }
+}
+
+/// The number of fraction bits of a type such as `fixed::types::I3F29`.
+fn fraction_bits(ty: &syn::Type) -> Option<u32> {
+    let syn::Type::Path(path) = ty else {
+        return None;
+    };
+    let name = last(&path.path);
+    let (_, bits) = name.strip_prefix('I')?.split_once('F')?;
+    bits.parse().ok()
 }
 
 fn is_option(ty: &syn::Type) -> bool {

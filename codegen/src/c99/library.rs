@@ -4,26 +4,33 @@ use crate::crate_name::CrateName;
 use crate::file::{EmittedFile, MARK};
 
 /// README, `library.properties` (Arduino) and `library.json` (PlatformIO).
-pub fn files(name: &CrateName, title: &str) -> Vec<EmittedFile> {
+pub fn files(name: &CrateName, title: &str, has_monitor: bool) -> Vec<EmittedFile> {
     let library = name.of_library();
     let file = |path: &str, contents: String| EmittedFile {
         path: path.to_string(),
         contents,
     };
     vec![
-        file("README.md", readme(library, title)),
+        file("README.md", readme(library, title, has_monitor)),
         file("library.properties", library_properties(library)),
         file("library.json", library_json(library)),
     ]
 }
 
-fn readme(library: &str, title: &str) -> String {
+fn readme(library: &str, title: &str, has_monitor: bool) -> String {
+    let monitor = match has_monitor {
+        true => {
+            " After each step call `flywheel_monitor_allows` with what it measured (`flywheel_angle`, `flywheel_rate`, \
+             `flywheel_wheel_speed`) and its duty, and `flywheel_fault` where that returns 0."
+        }
+        false => "",
+    };
     format!(
         r#"<!-- {title} -->
 
 # {library}
 
-The controller of one reaction-wheel pendulum in C99: raw sensor counts in, duty of the motor's timer out. It is fixed point without floats, heap or loops, and needs nothing but `<stdint.h>`. The folder is a library for Arduino (copy it into `libraries/` of the sketchbook) and for PlatformIO (name it in `lib_deps`). Any other firmware compiles `src/flywheel.c` and includes `src/flywheel.h`.
+The controller of one reaction-wheel pendulum in C99: raw sensor counts in, duty of the motor's timer out. It is fixed point without floats or heap, and needs nothing but `<stdint.h>`; the controller, `src/flywheel.c`, has no loops either. The folder is a library for Arduino (copy it into `libraries/` of the sketchbook) and for PlatformIO (name it in `lib_deps`). Any other firmware compiles the files in `src/` and includes `src/flywheel_loop.h`, or `src/flywheel.c` and `src/flywheel.h` alone.
 
 ```c
 #include "flywheel.h"
@@ -38,7 +45,7 @@ uint16_t tick(const flywheel_sample_t *sample, uint8_t sensors_answer, uint8_t u
 }}
 ```
 
-`examples/flywheel/flywheel.ino` is a whole sketch for the sensors of the bench; where it says YOUR READING, it is for you to write. `certificate.json` states what is claimed of the controller; `flywheel prove` checks it on the Rust that `flywheel generate` writes without `--language c`, of which this is a translation.
+`src/flywheel_loop.h` has a loop around it, with which `flywheel record` arms, drives and records the bench over the serial line.{monitor} `examples/flywheel/flywheel.ino` is a whole sketch for the sensors of the bench; where it says YOUR READING, it is for you to write. `certificate.json` states what is claimed of the controller; `flywheel prove` checks it on the Rust that `flywheel generate` writes without `--language c`, of which this is a translation.
 
 Do not change a file here by hand. Change `model.toml`, or change `bench.toml` and run `flywheel identify`, which copies its `[hardware]` into model.toml. Then run `flywheel generate` again.
 "#

@@ -22,16 +22,20 @@
 //! | `comments` | documentation |
 //! | `names` | names in C, and what a firmware calls |
 //! | `definitions` | structures and enumerations of the header |
-//! | `files` | header and source, and the order of all files |
+//! | `header` | what a firmware sees, with the units of the words |
+//! | `files` | the source, and the order of all files |
 //! | `library` | README, and the descriptions that Arduino and PlatformIO read |
+//! | `board_loop` | the loop around the controller: commands in, frames out; written by hand, not translated |
 //! | `sketch` | the example for Arduino, with the reading of the bench's sensors |
 
+mod board_loop;
 mod call;
 mod comments;
 mod constants;
 mod definitions;
 mod expression;
 mod files;
+mod header;
 mod infer;
 mod items;
 mod library;

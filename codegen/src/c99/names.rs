@@ -3,7 +3,7 @@
 use super::items::FunctionKey;
 
 /// The functions that a firmware calls: module, structure, name in Rust, name in C.
-pub(super) const PUBLIC: [(&str, Option<&str>, &str, &str); 15] = [
+pub(super) const PUBLIC: [(&str, Option<&str>, &str, &str); 19] = [
     ("controller", Some("Controller"), "new", "flywheel_init"),
     ("controller", Some("Controller"), "arm", "flywheel_arm"),
     (
@@ -27,6 +27,20 @@ pub(super) const PUBLIC: [(&str, Option<&str>, &str, &str); 15] = [
     ),
     ("controller", Some("Controller"), "fault", "flywheel_fault"),
     ("control", None, "control", "flywheel_control"),
+    ("controller", None, "wheel_speed", "flywheel_wheel_speed"),
+    ("encoder", Some("Encoder"), "new", "flywheel_encoder_init"),
+    (
+        "encoder",
+        Some("Encoder"),
+        "update",
+        "flywheel_encoder_update",
+    ),
+    (
+        "encoder",
+        Some("Encoder"),
+        "turned",
+        "flywheel_encoder_turned",
+    ),
     ("controller", Some("Controller"), "angle", "flywheel_angle"),
     ("controller", Some("Controller"), "rate", "flywheel_rate"),
     ("attitude", Some("Attitude"), "angle", "flywheel_angle"),
@@ -46,10 +60,11 @@ pub(super) const PUBLIC: [(&str, Option<&str>, &str, &str); 15] = [
     ),
 ];
 /// Constants that a firmware uses.
-pub(super) const PUBLIC_CONSTANTS: [(&str, &str); 3] = [
+pub(super) const PUBLIC_CONSTANTS: [(&str, &str); 4] = [
     ("constants", "SAMPLE_TIME_US"),
     ("constants", "ZERO_CURRENT"),
     ("control", "CURRENT_LIMIT"),
+    ("constants", "WHEEL_ENCODER"),
 ];
 
 /// The name of a function in C.

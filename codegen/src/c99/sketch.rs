@@ -47,15 +47,10 @@ pub fn file(emitted: &EmittedCrate) -> EmittedFile {
     }
     sensors.push_str(&body.text);
     sensors.push_str(&wheel.text);
-    let shown_by = match has_field("body_count") {
-        true => "&controller",
-        false => "&controller.attitude",
-    };
     let text = FRAME
         .replace("BODY_WORDS", body.words)
         .replace("WHEEL_WORDS", wheel.words)
         .replace("BITS_OF_THE_DUTY", documented.duty_bits())
-        .replace("SHOWN_BY", shown_by)
         .replace("SENSORS\n", &sensors);
     EmittedFile {
         path: "examples/flywheel/flywheel.ino".to_string(),
@@ -94,9 +89,9 @@ impl Documented<'_> {
 
     fn duty_bits(&self) -> &str {
         let drive = self.hardware().find(|line| line.starts_with("drive: "));
-        let after = drive.and_then(|line| line.split_once(" of a timer of "));
-        let bits = after.and_then(|(_, bits)| bits.split_once(" bits"));
-        bits.map_or(DUTY_BITS, |(bits, _)| bits)
+        let before = drive.and_then(|line| line.split_once(" bits, "));
+        let bits = before.and_then(|(before, _)| before.rsplit(' ').next());
+        bits.unwrap_or(DUTY_BITS)
     }
 }
 

@@ -6,10 +6,11 @@ use crate::crate_name::CrateName;
 use crate::emit::{example, inner_docs, print, single_line};
 use crate::file::EmittedFile;
 use crate::runtime;
+use crate::runtime_parts::{Parts, WheelPart};
 use crate::spec::ModuleSpec;
 
 /// The lines that a firmware with a monitor adds after each step; `CRATE` stands for the name of the crate, `WHEEL` for
-/// the field of the wheel's sensor.
+/// the field of the wheel's sensor, `SPEED` for what the wheel's speed follows from.
 const MONITOR_EXAMPLE: [&str; 19] = [
     "",
     "# Monitor",
@@ -23,7 +24,7 @@ const MONITOR_EXAMPLE: [&str; 19] = [
     "// Whether wheel and body move as the model predicts for the duties that were sent.",
     "let is_running = controller.status() == Status::Running;",
     "let (angle, rate) = (controller.attitude().angle(), controller.attitude().rate());",
-    "if !monitor.allows(is_running, angle, rate, wheel_speed(sample.WHEEL), duty) {",
+    "if !monitor.allows(is_running, angle, rate, wheel_speed(SPEED), duty) {",
     "    controller.fault();",
     "}",
     "```",
@@ -31,6 +32,37 @@ const MONITOR_EXAMPLE: [&str; 19] = [
     "The monitor notices a wheel that does not respond, a wrong sign or a motor that is stuck before the",
     "body leans far.",
 ];
+
+/// The lines that an encoder at the wheel needs before the monitor is asked.
+const ENCODER_EXAMPLE: [&str; 3] = [
+    "// The turns of the wheel, counted for the monitor too.",
+    "let mut wheel = CRATE::encoder::Encoder::new();",
+    "wheel.update(sample.wheel_count, &CRATE::constants::WHEEL_ENCODER);",
+];
+
+/// The lines of the monitor's example.
+fn monitor_lines(name: &CrateName, parts: &Parts) -> Vec<String> {
+    let (wheel, speed) = (
+        example::wheel_field(parts),
+        "wheel.turned(&CRATE::constants::WHEEL_ENCODER)",
+    );
+    let has_encoder = parts.wheel == WheelPart::Encoder;
+    let speed = if has_encoder { speed } else { "sample.WHEEL" };
+    let mut lines = vec![];
+    for line in MONITOR_EXAMPLE {
+        if has_encoder && line.starts_with("// Whether wheel") {
+            lines.extend(ENCODER_EXAMPLE);
+        }
+        lines.push(line);
+    }
+    let own = |line: &str| {
+        line.replace("SPEED", speed)
+            .replace("CRATE", &name.in_rust())
+            .replace("WHEEL:", &format!("{wheel}:"))
+            .replace("sample.WHEEL", &format!("sample.{wheel}"))
+    };
+    lines.into_iter().map(own).collect()
+}
 
 /// Emits `src/lib.rs`.
 pub fn file(spec: &ModuleSpec, name: &CrateName, has_monitor: bool) -> EmittedFile {
@@ -72,10 +104,7 @@ pub fn file(spec: &ModuleSpec, name: &CrateName, has_monitor: bool) -> EmittedFi
     lines.extend(["```", "", closing].map(str::to_owned));
     let mut monitor_use = quote!();
     if has_monitor {
-        lines.extend(MONITOR_EXAMPLE.iter().map(|line| {
-            line.replace("CRATE", &name.in_rust())
-                .replace("WHEEL", example::wheel_field(&parts))
-        }));
+        lines.extend(monitor_lines(name, &parts));
         monitor_use = quote!(
             pub use monitor::Monitor;
         );

@@ -60,11 +60,7 @@ fn all_benches() -> [Bench; 5] {
         Bench {
             spec: with_body_encoder(thesis::spec()),
             registers: &["body angle: encoder counts 0 to 4095, 4096 a turn"],
-            has: &[
-                "ENCODER = 0x36",
-                "sample.body_count = word_of",
-                "flywheel_angle(&controller)",
-            ],
+            has: &["ENCODER = 0x36", "sample.body_count = word_of"],
             is_left_to_the_user: false,
         },
         Bench {
@@ -98,8 +94,11 @@ fn all_benches() -> [Bench; 5] {
         // Parts that nobody names, and a driver.
         Bench {
             spec: with_voltage(with_driver()),
-            registers: &[],
+            registers: &[
+                "drive: voltage, duty 1 to 4095 of 12 bits, 2048 at 0 V, 0.0117 V per count",
+            ],
             has: &[
+                "DUTY_BITS = 12;",
                 "YOUR READING: sample.gyro",
                 "YOUR READING: sample.wheel_speed",
             ],

@@ -102,7 +102,8 @@ impl LoopCore {
     ) -> Tick {
         let late = self.is_late(now_us).then_some(Fault::Late);
         let reading = sensors.read();
-        let fault = late.or(reading.is_err().then_some(Fault::Sensor));
+        let is_read = reading.is_ok();
+        let fault = late.or((!is_read).then_some(Fault::Sensor));
         if let Ok(reading) = reading {
             self.wheel_speed.take(&reading);
             self.last = reading;
@@ -112,9 +113,9 @@ impl LoopCore {
             self.controller.fault();
         }
         // Without a reading the controller cannot step. After a fault no current flows anyway.
-        let duty = match fault {
-            Some(Fault::Sensor) => Duty(ZERO_CURRENT),
-            _ => self.step(),
+        let duty = match is_read {
+            true => self.step(),
+            false => Duty(ZERO_CURRENT),
         };
         let mut fault = fault;
         if timer

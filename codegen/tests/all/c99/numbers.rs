@@ -60,6 +60,23 @@ fn of_rust(emitted: &EmittedCrate) -> Numbers {
                     let name = c_name(module, None, &item.sig.ident.to_string());
                     numbers.insert(name, of_block(&item.block));
                 }
+                // The number of fraction bits of a word of the law.
+                syn::Item::Type(item) if module == "control" => {
+                    let syn::Type::Path(path) = &*item.ty else {
+                        panic!("a word that is no path");
+                    };
+                    let ty = path.path.segments.last().expect("a name").ident.to_string();
+                    let bits = ty.split_once('F').expect("a type of fixed").1;
+                    let mut name = "FLYWHEEL".to_owned();
+                    for letter in item.ident.to_string().chars() {
+                        if letter.is_ascii_uppercase() {
+                            name.push('_');
+                        }
+                        name.push(letter.to_ascii_uppercase());
+                    }
+                    let bits = vec![bits.parse().expect("a number of bits")];
+                    numbers.insert(name + "_FRACTION_BITS", bits);
+                }
                 syn::Item::Const(item) => {
                     let own = item.ident.to_string();
                     let name = match module {
@@ -99,7 +116,9 @@ fn c_name(module: &str, owner: Option<&str>, own: &str) -> String {
             "arm" | "disarm" | "step" | "step_with_current" | "status" | "fault" | "angle" | "rate",
         )
         | (Some("Attitude"), "angle" | "rate" | "quaternion")
-        | (None, "control") => format!("flywheel_{own}"),
+        | (None, "control" | "wheel_speed") => format!("flywheel_{own}"),
+        (Some("Encoder"), "new") => "flywheel_encoder_init".to_owned(),
+        (Some("Encoder"), "update" | "turned") => format!("flywheel_encoder_{own}"),
         (Some(owner), _) => format!("{}_{own}", owner.to_lowercase()),
         (None, _) if own.starts_with(module) => own.to_owned(),
         (None, _) => format!("{module}_{own}"),
