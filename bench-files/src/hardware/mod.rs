@@ -25,6 +25,7 @@
 
 mod parts;
 mod reading;
+mod rotation;
 
 use toml_edit::{DocumentMut, Item, TableLike};
 
