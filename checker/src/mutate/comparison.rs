@@ -53,6 +53,58 @@ pub(crate) fn compared(
     alike(&before, &after, number, MOST_CALLERS_UP)
 }
 
+/// Whether a damaged crate, which rustc accepts, computes the same words by the rules of the language, or by z3: every constant has its
+/// words, and every function its steps, or is proved to return the same for all arguments of its contract.
+pub(crate) fn same_everywhere(emitted: &Emitted, damaged: &Emitted) -> Option<String> {
+    let (before, after) = (emitted.module().ok()?, damaged.module().ok()?);
+    let (old, new) = (before.declarations(), after.declarations());
+    if old.functions.len() != new.functions.len() || old.constants.len() != new.constants.len() {
+        return None;
+    }
+    for (own, other) in old.constants.iter().zip(&new.constants) {
+        // Of `src/x.rs` the module `x`.
+        let file = own.place.file.trim_start_matches("src/");
+        let file = file.trim_end_matches(".rs");
+        if own.name != other.name
+            || before.constant(file, &own.name) != after.constant(file, &own.name)
+        {
+            return None;
+        }
+    }
+    let mut proved = Vec::new();
+    for number in 0..old.functions.len() {
+        let (one, other) = (before.program(number)?, after.program(number)?);
+        if !has_same_steps(one, other) {
+            match alike(&before, &after, number, 0)? {
+                (Likeness::Proved, why) => proved.push(why),
+                (Likeness::Sampled, _) => return None,
+            }
+        }
+    }
+    Some(if proved.is_empty() {
+        "it compiles, and every constant and every step is read as before".to_owned()
+    } else {
+        format!("it compiles, and {}", proved.join("; "))
+    })
+}
+
+/// Whether two functions are one, but for the places of their steps.
+fn has_same_steps(one: &Program, other: &Program) -> bool {
+    let actions = |program: &Program| -> Vec<_> {
+        let steps = program.steps.iter();
+        steps.map(|step| step.action.clone()).collect()
+    };
+    one.name == other.name
+        && one.inputs == other.inputs
+        && one.arguments == other.arguments
+        && one.argument_types == other.argument_types
+        && one.results == other.results
+        && one.result_types == other.result_types
+        && one.initial == other.initial
+        && one.is_constant == other.is_constant
+        && actions(one) == actions(other)
+}
+
 /// The function that contains a line: the last that begins at or above it.
 fn function_at(module: &Module, file: &str, line: usize) -> Option<usize> {
     let functions = &module.declarations().functions;

@@ -8,7 +8,7 @@ use crate::certificate::reader::Certificate;
 use crate::claims::compiled_agrees;
 use crate::claims::outcome::{COMPILED, ClaimOutcome};
 use crate::language::emitted::Emitted;
-use crate::mutate::comparison::{Likeness, compared};
+use crate::mutate::comparison::{Likeness, compared, same_everywhere};
 use crate::mutate::mutants::{Mutant, applied};
 use crate::prove::settings::ProofSettings;
 use crate::prove::settle::settle;
@@ -32,7 +32,7 @@ pub struct MutantVerdict {
 pub enum Fate {
     /// An engine detected it.
     Caught,
-    /// It survives, and z3 proves that it changes nothing.
+    /// It survives, and z3 or the rules of the language prove that it changes nothing.
     Same,
     /// It survives, and no difference was found in a random sample.
     NoDifferenceFound,
@@ -145,8 +145,13 @@ pub fn judged(emitted: &Emitted, certificate: &Certificate, mutant: Mutant) -> M
         }
     }
     let (fate, reason) = if let Some(runs) = is_the_same {
-        let why = format!("compiled, it computes the undamaged words in {runs} runs");
-        (Fate::NoDifferenceFound, why)
+        match same_everywhere(emitted, &damaged) {
+            Some(why) => (Fate::Same, why),
+            None => {
+                let why = format!("compiled, it computes the undamaged words in {runs} runs");
+                (Fate::NoDifferenceFound, why)
+            }
+        }
     } else if noticed.is_empty() {
         match compared(emitted, &damaged, &mutant) {
             Some((Likeness::Proved, why)) => (Fate::Same, why),
