@@ -197,7 +197,7 @@ impl Course {
         };
         Course {
             random: ChaCha8Rng::seed_from_u64(seed),
-            silent_steps: if seed % 2 == 0 { 3 } else { 0 },
+            silent_steps: if seed.is_multiple_of(2) { 3 } else { 0 },
             step: 0,
             // The clock wraps within the course.
             now_us: u32::MAX - 20_000_000,
