@@ -39,6 +39,23 @@ pub fn compiled(module: &Path, name: &str, features: &str) -> PathBuf {
     kept
 }
 
+/// What the program is told of a tick: what the sensors say (`None`: the bus fails) and the bytes that came.
+pub fn message(now_us: u32, sample: Option<&RawSample>, came: &[u8]) -> Vec<u8> {
+    let mut message = now_us.to_le_bytes().to_vec();
+    message.push(u8::from(sample.is_some()));
+    let none = [i16::MIN; 3];
+    let (gyro, accel) = sample.map_or(([0; 3], [0; 3]), |sample| (sample.gyro, sample.accel));
+    let (wheel, body) = sample.map_or((0, 0), |sample| (sample.wheel as u16, sample.body));
+    for word in [gyro, accel, none].as_flattened() {
+        message.extend(word.to_le_bytes());
+    }
+    message.extend(wheel.to_le_bytes());
+    message.extend(body.to_le_bytes());
+    message.push(came.len() as u8);
+    message.extend(came);
+    message
+}
+
 /// The running program.
 pub struct Firmware {
     child: Child,
@@ -68,19 +85,7 @@ impl Firmware {
         sample: Option<&RawSample>,
         came: &[u8],
     ) -> std::io::Result<(u16, Vec<u8>)> {
-        let mut message = now_us.to_le_bytes().to_vec();
-        message.push(u8::from(sample.is_some()));
-        let none = [i16::MIN; 3];
-        let (gyro, accel) = sample.map_or(([0; 3], [0; 3]), |sample| (sample.gyro, sample.accel));
-        let (wheel, body) = sample.map_or((0, 0), |sample| (sample.wheel as u16, sample.body));
-        for word in [gyro, accel, none].as_flattened() {
-            message.extend(word.to_le_bytes());
-        }
-        message.extend(wheel.to_le_bytes());
-        message.extend(body.to_le_bytes());
-        message.push(came.len() as u8);
-        message.extend(came);
-        self.input.write_all(&message)?;
+        self.input.write_all(&message(now_us, sample, came))?;
         self.input.flush()?;
         let mut head = [0; 3];
         self.output.read_exact(&mut head)?;

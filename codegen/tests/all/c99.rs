@@ -22,6 +22,8 @@ mod damage;
 mod harnesses;
 #[path = "c99/monitor.rs"]
 mod monitor;
+#[path = "c99/mutants.rs"]
+mod mutants;
 #[path = "c99/numbers.rs"]
 mod numbers;
 use crate::{benches, thesis};

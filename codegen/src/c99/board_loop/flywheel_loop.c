@@ -18,7 +18,7 @@ static uint16_t crc16(const uint8_t *bytes, uint8_t count) {
         crc = (uint16_t)(crc ^ ((uint32_t)bytes[place] << 8));
         for (uint8_t bit = 0; bit < 8u; bit++) {
             const uint32_t shifted = (uint32_t)crc << 1;
-            crc = (uint16_t)((shifted & 0x10000u) != 0u ? shifted ^ 0x1021u : shifted);
+            crc = (uint16_t)(shifted > 0xFFFFu ? shifted ^ 0x1021u : shifted);
         }
     }
     return crc;
@@ -76,9 +76,6 @@ void flywheel_loop_init(flywheel_loop_t *self) {
     self->has_heard = 0;
     self->is_new = 0;
     self->was_armed = 0;
-    for (uint8_t place = 0; place < FLYWHEEL_COMMAND_BYTES; place++) {
-        self->line[place] = 0;
-    }
     self->line_length = 0;
     self->has_ticked = 0;
     self->time_us = 0;
@@ -166,7 +163,7 @@ static void follow(flywheel_loop_t *self, uint32_t now_us) {
     if (self->is_new != 0u && is_tripped(self) != 0u) {
         flywheel_init(&self->controller);
     }
-    self->is_new = 0;
+    self->is_new = 0u;
     if (self->task == WATCH) {
         flywheel_disarm(&self->controller);
     } else if (self->was_armed == 0u) {
@@ -224,12 +221,12 @@ uint8_t flywheel_loop_frame(const flywheel_loop_t *self, uint8_t frame[FLYWHEEL_
     for (uint8_t axis = 0; axis < 6u; axis++) {
         put_16(message + 8 + 2u * axis, self->body[axis]);
     }
+    put_16(message + 26, self->wheel);
+    put_16(message + 28, self->duty);
     /* No magnetometer. */
     for (uint8_t axis = 0; axis < 3u; axis++) {
         put_16(message + 20 + 2u * axis, NO_FIELD);
     }
-    put_16(message + 26, self->wheel);
-    put_16(message + 28, self->duty);
     put_32(message + 30, (uint32_t)flywheel_angle(SHOWN_BY));
     put_32(message + 34, (uint32_t)flywheel_rate(SHOWN_BY));
     put_32(message + 38, (uint32_t)self->wheel_speed);
