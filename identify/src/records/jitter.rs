@@ -7,19 +7,22 @@
 //! and with its weights w scaled to Σ w² = 1, its mean square is σ² + σ_t² Σ w² s². Regression of the squares on Σ w² s² gives both
 //! variances.
 
+use plant::Kind;
+
+use super::record::{Record, RecordedChannel};
 use super::statistics::median;
 
 /// The jitter of a clock, as one channel shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Jitter {
+struct Jitter {
     /// Variance of the time's error, s².
-    pub(crate) time_variance: f64,
+    time_variance: f64,
     /// Standard error of that variance, s².
-    pub(crate) std: f64,
+    std: f64,
     /// Variance of the noise that does not depend on the slope, in squared units of the channel.
-    pub(crate) noise_variance: f64,
+    noise_variance: f64,
     /// Mean square of the slope, in squared units of the channel per s².
-    pub(crate) slope_square: f64,
+    slope_square: f64,
 }
 
 /// Orders of the differences that are tried, the lowest first.
@@ -43,13 +46,63 @@ const AGREES: f64 = 0.5;
 /// Largest jitter in intervals between samples: samples that are late by up to a whole interval at random have 0.29.
 /// A wave of a few samples per period gives more.
 const MOST_OF_STEP: f64 = 0.3;
+/// Number of samples at which the slope is looked at before anything is estimated.
+const LOOKS: usize = 2000;
 /// Rounds of the regression, each with the weights of the one before.
 const ROUNDS: usize = 8;
 
+impl Record {
+    /// Finds out whether the clock jitters, and gives every channel the noise that follows.
+    pub(super) fn find_jitter(&mut self) {
+        if self.kind == Kind::Balance {
+            return;
+        }
+        let kinks = self.kinks();
+        let (mut places, mut found) = (vec![], vec![]);
+        for (index, channel) in self.channels.iter().enumerate() {
+            // Rounding is no noise while a motion stands still between two steps, and noise while it crosses them.
+            if channel.quantum.is_none()
+                && moves_plainly(channel)
+                && let Some(one) = jitter(&self.time_s, &channel.samples, &kinks)
+            {
+                places.push(index);
+                found.push(one);
+            }
+        }
+        self.clock_jitter_s = shared(&self.time_s, &found);
+        let Some(jitter_s) = self.clock_jitter_s else {
+            return;
+        };
+        for (index, one) in places.into_iter().zip(found) {
+            let of_clock = jitter_s * jitter_s * one.slope_square;
+            let channel = &mut self.channels[index];
+            channel.noise_std = channel
+                .noise_std
+                .max((one.noise_variance + of_clock).sqrt());
+        }
+    }
+}
+
+/// Whether a channel moves plainly from sample to sample, by [`SLOPE_IS_PLAIN`]; for dense logs a sample of the samples is
+/// enough to tell.
+fn moves_plainly(channel: &RecordedChannel) -> bool {
+    let samples = &channel.samples;
+    let last = samples.len().saturating_sub(2 * REACH);
+    let (mut squares, mut count) = (0.0, 0.0);
+    for k in (0..last).step_by((last / LOOKS).max(1)) {
+        let square = (samples[k + 2 * REACH] - samples[k]).powi(2);
+        if square.is_finite() {
+            squares += square;
+            count += 1.0;
+        }
+    }
+    squares > SLOPE_IS_PLAIN * 2.0 * channel.noise_std.powi(2) * count
+}
+
 /// Estimates the jitter from the samples of one channel at their logged times. `kinks` are the samples, in rising order, at
 /// which the motion has a kink; no difference is taken across one. `None` where the log cannot tell.
-pub(crate) fn jitter(time_s: &[f64], samples: &[f64], kinks: &[usize]) -> Option<Jitter> {
-    let mut best: Option<(f64, usize, Vec<(f64, f64)>)> = None;
+fn jitter(time_s: &[f64], samples: &[f64], kinks: &[usize]) -> Option<Jitter> {
+    let mut best: Option<(f64, usize, Squares)> = None;
     for order in ORDERS {
         let Some(found) = squares(time_s, samples, kinks, order) else {
             break;
@@ -133,7 +186,7 @@ fn step_s(time_s: &[f64]) -> f64 {
 /// The jitter that the channels of a log share: the standard deviation of the time's error in s, from the weighted mean of
 /// the `found` variances. `None` if it is not plain, if a channel contradicts it, or if it is more than a fraction of an
 /// interval: noise that grows with the slope then has another cause.
-pub(crate) fn shared(time_s: &[f64], found: &[Jitter]) -> Option<f64> {
+fn shared(time_s: &[f64], found: &[Jitter]) -> Option<f64> {
     let weight = |one: &Jitter| 1.0 / one.std.powi(2).max(f64::MIN_POSITIVE);
     let total: f64 = found.iter().map(weight).sum();
     let mean: f64 = found
@@ -156,14 +209,11 @@ fn overlap(order: usize) -> f64 {
     binomial(4 * order, 2 * order) / binomial(2 * order, order).powi(2)
 }
 
-/// The square of every difference of an order, and the weighted mean square of the slope over its samples; `None` if there
-/// are too few.
-fn squares(
-    time_s: &[f64],
-    samples: &[f64],
-    kinks: &[usize],
-    order: usize,
-) -> Option<Vec<(f64, f64)>> {
+/// The square of every difference, and the weighted mean square of the slope over its samples.
+type Squares = Vec<(f64, f64)>;
+
+/// The squares of all differences of an order; `None` if there are too few.
+fn squares(time_s: &[f64], samples: &[f64], kinks: &[usize], order: usize) -> Option<Squares> {
     let n = samples.len().min(time_s.len());
     if n < order + 2 * REACH + 2 {
         return None;
