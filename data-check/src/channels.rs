@@ -420,7 +420,7 @@ fn time_stamps(view: &View, out: &mut Vec<Finding>) {
     if let Some(jitter_s) = view.record.clock_jitter_s {
         say(
             format!(
-                "the clock jitters: the samples are off by {} ms at random (one standard deviation), which is noise that grows with the speed of the motion",
+                "the noise grows with the slope of the signals, as if the clock jittered: the samples are then off by {} ms at random (one standard deviation)",
                 short(1e3 * jitter_s)
             ),
             "log the time at which the sample was taken, and take the samples in a timer's interrupt; the fit goes on with the noise as it is",

@@ -8,7 +8,6 @@ pub use plant::Output;
 use plant::{Hold, Input, Kind};
 
 use super::averages::{blocks, means, middles};
-use super::jitter::{jitter, shared};
 use super::noise::{
     least_noise_std, noise_by_differences, resolution, steps_of_command, without_floor,
 };
@@ -175,35 +174,6 @@ impl Record {
             Record::of_samples(name, kind, time_s, outputs, current_a, current_is_measured);
         record.find_jitter();
         record
-    }
-
-    /// Finds out whether the clock jitters, and gives every channel the noise that follows.
-    fn find_jitter(&mut self) {
-        if self.kind == Kind::Balance {
-            return;
-        }
-        let kinks = self.kinks();
-        let (mut places, mut found) = (vec![], vec![]);
-        for (index, channel) in self.channels.iter().enumerate() {
-            // Rounding is no noise while a motion stands still between two steps, and noise while it crosses them.
-            if channel.quantum.is_none()
-                && let Some(one) = jitter(&self.time_s, &channel.samples, &kinks)
-            {
-                places.push(index);
-                found.push(one);
-            }
-        }
-        self.clock_jitter_s = shared(&self.time_s, &found);
-        let Some(jitter_s) = self.clock_jitter_s else {
-            return;
-        };
-        for (index, one) in places.into_iter().zip(found) {
-            let of_clock = jitter_s * jitter_s * one.slope_square;
-            let channel = &mut self.channels[index];
-            channel.noise_std = channel
-                .noise_std
-                .max((one.noise_variance + of_clock).sqrt());
-        }
     }
 
     /// As [`Record::new`], for samples of a clock that is known or not asked about.
