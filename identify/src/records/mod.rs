@@ -2,11 +2,13 @@
 
 mod angle;
 mod averages;
+mod before;
 mod charge;
 mod jitter;
 mod noise;
 mod record;
 mod statistics;
+mod thinning;
 mod weak_form;
 
 pub use angle::angle_samples;
