@@ -26,9 +26,9 @@ const WINDOW_SAMPLES: [usize; 3] = [24, 64, 256];
 /// coarse log, the neighbouring local minimum is an oscillation of twice or half the frequency.
 const FACTORS: [f64; 2] = [0.4, 2.5];
 
-/// Logs of a body that swings with fewer samples than this in all are fitted from a whole range of inertias. Their noise cannot be
-/// told from their motion, so that no cost shows that a fit is stuck; and with two samples in a period, the guess from the
-/// samples may be wrong by any factor.
+/// Logs of a body that swings with fewer samples than this in all are fitted from a whole range of inertias. Their
+/// noise cannot be told from their motion, so that no cost shows that a fit is stuck; and with two samples in a
+/// period, the guess from the samples may be wrong by any factor.
 const SPARSE_SAMPLES: usize = 60;
 /// Largest factor by which the guess of a sparse log may be wrong, to either side.
 const FARTHEST: f64 = 32.0;
@@ -89,8 +89,8 @@ pub fn first_fit(problem: &FitProblem, effort: Effort) -> Minimum {
     best
 }
 
-/// Starts for every period within [`FARTHEST`] of that of `values`: another inertia of the body, or another gravity torque if the inertia
-/// is known.
+/// Starts for every period within [`FARTHEST`] of that of `values`: another inertia of the body, or another gravity
+/// torque if the inertia is known.
 fn all_periods(values: &[f64], free: &[usize]) -> Vec<Vec<f64>> {
     let Some(moved) = period_parameter(free) else {
         return vec![];
@@ -115,9 +115,9 @@ const TIE: f64 = 3.0;
 /// Smallest difference of two inertias, in their logarithm, that belong to different periods of a sparse log.
 const OTHER_PERIOD: f64 = 0.1;
 
-/// The position of the parameter that decides the period of the body, and another value of it with which sparse logs are fitted
-/// as well as with that of this fit of the base model. The noise is unknown there: the evidence of a mean square is its power −n/2, with n the
-/// number of rows.
+/// The position of the parameter that decides the period of the body, and another value of it with which sparse logs
+/// are fitted as well as with that of this fit of the base model. The noise is unknown there: the evidence of a mean
+/// square is its power −n/2, with n the number of rows.
 pub(crate) fn other_period(problem: &FitProblem, fit: &Minimum) -> Option<(usize, f64)> {
     let records = problem.all_records();
     if !is_sparse(&records) {

@@ -67,9 +67,10 @@ pub fn identify_until(
     Ok(found)
 }
 
-/// Rejects a fit that has failed: one that predicts the logs no better than their means, or one that leaves an inertia
-/// open, because its standard error is as large, or because a few rows are fitted as well by another period. No motion can be computed without the inertias. An inertia that the logs do not show at all is not fitted and
-/// does not count.
+/// Rejects a fit that has failed: one that predicts the logs no better than their means, or one that leaves an
+/// inertia open, because its standard error is as large, or because a few rows are fitted as well by another period.
+/// No motion can be computed without the inertias. An inertia that the logs do not show at all is not fitted and does
+/// not count.
 ///
 /// # Errors
 /// [`IdentifyError::NoBetterThanMeans`], [`IdentifyError::InertiaOpen`].

@@ -6,10 +6,10 @@
 //!
 //! h₃ = 1 − a t + b t² − c t³,  h₂ = a − 2 b t + 3 c t²,  h₁ = b − 3 c t,  h₀ = c,
 //!
-//! and all roots lie in the left half plane exactly if all four are positive and h₂ h₁ > h₃ h₀
-//! (Hurwitz). An observer of the angle's bias adds one state; a polynomial of degree four has all roots there exactly if
-//! h₀ … h₄ are positive and (h₃ h₂ − h₄ h₁) h₁ > h₃² h₀ (Liénard and Chipart). Using δ instead of z keeps the accuracy of the small
-//! difference z − 1.
+//! and all roots lie in the left half plane exactly if all four are positive and h₂ h₁ > h₃ h₀ (Hurwitz). An observer
+//! of the angle's bias adds one state; a polynomial of degree four has all roots there exactly if h₀ … h₄ are
+//! positive and (h₃ h₂ − h₄ h₁) h₁ > h₃² h₀ (Liénard and Chipart). Using δ instead of z keeps the accuracy of the
+//! small difference z − 1.
 
 use num_rational::BigRational;
 

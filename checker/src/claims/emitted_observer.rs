@@ -34,7 +34,8 @@ pub struct EmittedObserver {
 }
 
 impl EmittedObserver {
-    /// The words of `BIAS_OBSERVER`, for states and a current with these fraction bits; `None` where they are those of no observer.
+    /// The words of `BIAS_OBSERVER`, for states and a current with these fraction bits; `None` where they are those
+    /// of no observer.
     ///
     /// # Errors
     /// A sentence that names the word.

@@ -1,5 +1,5 @@
-//! Claim `encoder-loop-stable`: the loop with the rate and the speed that encoders show, and with the back-EMF that a voltage drive
-//! leaves to the motor, is stable.
+//! Claim `encoder-loop-stable`: the loop with the rate and the speed that encoders show, and with the back-EMF that a
+//! voltage drive leaves to the motor, is stable.
 //!
 //! An encoder's speed is the turn of its axis over N steps, (φ(k) − φ(k − N))/(N T), and so half a window old. A voltage
 //! drive holds V = Σ g y over a step, g = R n + k_e e₃ with the emitted gains n, and the current follows the wheel between
@@ -10,10 +10,11 @@
 //!
 //! zᴸ D − g₁ zᴸ N_α − g₂ W_α − g₃ W_φ,   W = zᴸ N of a measured speed, (zᴸ − zᴸ⁻ᴺ)/(N T) N of the angle for an encoder,
 //!
-//! L the longest window. With an observer of the angle's bias ([`crate::claims::emitted_observer`]) the polynomial is z − p times the first term, p
-//! the decay of the observer's state under the law, and each g is the polynomial (z − p) g' − R N₁ c: g' of what
-//! a reading does at once, c its share in the observer's state. The angle of the wheel enters by its differences alone, so that z = 1 is a root which belongs
-//! to no loop; it is taken out. All other roots lie inside the unit circle by Routh's table, in exact arithmetic.
+//! L the longest window. With an observer of the angle's bias ([`crate::claims::emitted_observer`]) the polynomial is
+//! z − p times the first term, p the decay of the observer's state under the law, and each g is the polynomial (z −
+//! p) g' − R N₁ c: g' of what a reading does at once, c its share in the observer's state. The angle of the wheel
+//! enters by its differences alone, so that z = 1 is a root which belongs to no loop; it is taken out. All other
+//! roots lie inside the unit circle by Routh's table, in exact arithmetic.
 
 use num_rational::BigRational;
 use num_traits::{One, Zero};

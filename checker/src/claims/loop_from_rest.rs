@@ -1,23 +1,23 @@
-//! Claims `closed-loop-for-all-time` and `region-of-attraction` from rest, where an encoder has a window or an observer corrects the
-//! angle.
+//! Claims `closed-loop-for-all-time` and `region-of-attraction` from rest, where an encoder has a window or an
+//! observer corrects the angle.
 //!
-//! The rate by an encoder on the pivot is the difference of two angles that it showed, and the angles of its window are states
-//! of the loop. An ellipsoid in so many states has room for next to no rounding of counts: it bounds an error of the rate as if
-//! it never ended, while the error of a reading acts on the rate forwards and, a window later, backwards. With a long
-//! window of an encoder on the wheel there may be no ellipsoid either, and the state of an observer of the angle's bias is slow and
-//! depends on the start. So the starts are
-//! those of a user, at rest, and the argument is the one of [`crate::claims::loop_as_shipped`]: the largest effect of a start
-//! and of every input, added up over all time, and bounds that follow from themselves. Here it is applied to the
-//! plant of these two claims, the stated linear model, without delay, dry friction and noise, and with sensors that return the
-//! nearest count.
+//! The rate by an encoder on the pivot is the difference of two angles that it showed, and the angles of its window
+//! are states of the loop. An ellipsoid in so many states has room for next to no rounding of counts: it bounds an
+//! error of the rate as if it never ended, while the error of a reading acts on the rate forwards and, a window
+//! later, backwards. With a long window of an encoder on the wheel there may be no ellipsoid either, and the state of
+//! an observer of the angle's bias is slow and depends on the start. So the starts are those of a user, at rest, and
+//! the argument is the one of [`crate::claims::loop_as_shipped`]: the largest effect of a start and of every input,
+//! added up over all time, and bounds that follow from themselves. Here it is applied to the plant of these two
+//! claims, the stated linear model, without delay, dry friction and noise, and with sensors that return the nearest
+//! count.
 //!
 //! **For all time.** With z the emitted loop's states, z̄ those of the loop with the real gains −K, the same windows and
 //! no rounding, F̂ the matrix of the emitted loop and N the emitted gains, the difference e = z − z̄ obeys
 //!
 //! e⁺ = F̂ e + B (v + (N + K) z̄) + readings,
 //!
-//! with v the rounding of words, duty and counts. z̄ is bounded by its own start and windows; means over a
-//! window are within the bounds between samples. With an observer, z̄ has one in real numbers, that of the stated decimals; what
+//! with v the rounding of words, duty and counts. z̄ is bounded by its own start and windows; means over a window are
+//! within the bounds between samples. With an observer, z̄ has one in real numbers, that of the stated decimals; what
 //! the words make of z̄ besides is an input of the observer's state.
 //!
 //! **Region.** The same bounds with gravity as a sine, from the largest start at rest for which they close, and those that
@@ -139,7 +139,8 @@ impl LoopFromRest {
     }
 }
 
-/// How far the numbers of the emitted law are from those of the real one, for bounds of the real loop and of its observer's state.
+/// How far the numbers of the emitted law are from those of the real one, for bounds of the real loop and of its
+/// observer's state.
 fn apart(law: &EmittedLaw, real: &EmittedLaw, of_real: &Bounds, state: &BigRational) -> Apart {
     let differs = |one: &[BigRational; 3], other: &[BigRational; 3]| -> BigRational {
         let both = one.iter().zip(other).zip(&of_real.states);
@@ -160,8 +161,8 @@ fn apart(law: &EmittedLaw, real: &EmittedLaw, of_real: &Bounds, state: &BigRatio
     }
 }
 
-/// Whether the two claims are about starts at rest: an encoder is on the pivot, the module has an observer of the angle's bias, or an
-/// encoder is on the wheel and no ellipsoid is stated.
+/// Whether the two claims are about starts at rest: an encoder is on the pivot, the module has an observer of the
+/// angle's bias, or an encoder is on the wheel and no ellipsoid is stated.
 pub fn applies(certificate: &Certificate) -> bool {
     let hardware = &certificate.hardware;
     let has_set = certificate.closed_loop.is_some();

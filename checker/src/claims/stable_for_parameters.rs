@@ -1,17 +1,18 @@
 //! Claim `stable-for-parameters`: the loop with the emitted gains is stable for every parameter vector
 //! that identification allows, by the criterion of [`crate::claims::closed_loop_stable`].
 //!
-//! **Region.** The 95 % ellipsoid of the stated standard errors and correlations, or, where no correlations are stated, the box
-//! around it ([`crate::claims::parameter_region`]). In its own coordinates it is halved until
-//! the criterion holds on every part in outward-rounded intervals, by the slopes over the part ([`crate::exact::slopes`]), and along
-//! the coordinate that moves the number in doubt the most. Parts beyond the ellipsoid are left out. If the largest number of
-//! halvings is reached first, the claim is neither proved nor refuted.
+//! **Region.** The 95 % ellipsoid of the stated standard errors and correlations, or, where no correlations are
+//! stated, the box around it ([`crate::claims::parameter_region`]). In its own coordinates it is halved until the
+//! criterion holds on every part in outward-rounded intervals, by the slopes over the part
+//! ([`crate::exact::slopes`]), and along the coordinate that moves the number in doubt the most. Parts beyond the
+//! ellipsoid are left out. If the largest number of halvings is reached first, the claim is neither proved nor
+//! refuted.
 //!
 //! **An observer of the angle's bias** is a fourth state of the loop, which does not depend on the parameters.
 //!
-//! **Windows of encoders** are states of the loop, too many for that criterion. Such a module is looked at over the whole region at
-//! once, by what the responses of the loop at the stated parameters make of all that a plant may be off by
-//! ([`crate::claims::loop_as_shipped::small_gain`]).
+//! **Windows of encoders** are states of the loop, too many for that criterion. Such a module is looked at over the
+//! whole region at once, by what the responses of the loop at the stated parameters make of all that a plant may be
+//! off by ([`crate::claims::loop_as_shipped::small_gain`]).
 
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
@@ -183,7 +184,8 @@ pub fn check_region(
     Ok(region_of(boxes))
 }
 
-/// The loop with the windows of its encoders, whose polynomial is of too high a degree for intervals, over the whole region at once.
+/// The loop with the windows of its encoders, whose polynomial is of too high a degree for intervals, over the whole
+/// region at once.
 fn with_windows(
     certificate: &Certificate,
     law: &EmittedLaw,

@@ -53,8 +53,9 @@ pub(crate) fn compared(
     alike(&before, &after, number, MOST_CALLERS_UP)
 }
 
-/// Whether a damaged crate, which rustc accepts, computes the same words by the rules of the language, or by z3: every constant has its
-/// words, and every function its steps, or is proved to return the same for all arguments of its contract.
+/// Whether a damaged crate, which rustc accepts, computes the same words by the rules of the language, or by z3:
+/// every constant has its words, and every function its steps, or is proved to return the same for all arguments of
+/// its contract.
 pub(crate) fn same_everywhere(emitted: &Emitted, damaged: &Emitted) -> Option<String> {
     let (before, after) = (emitted.module().ok()?, damaged.module().ok()?);
     let (old, new) = (before.declarations(), after.declarations());

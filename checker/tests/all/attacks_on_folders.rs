@@ -1,8 +1,8 @@
-//! Damaged folders that a whole `prove DIR` must not let pass: each is a copy of the committed one, changed on disk in a way of Rust
-//! or of Cargo that has a meaning of its own.
+//! Damaged folders that a whole `prove DIR` must not let pass: each is a copy of the committed one, changed on disk
+//! in a way of Rust or of Cargo that has a meaning of its own.
 //!
-//! The digests of the audited texts, which would notice every change of a source, are switched off: another row has to notice it. Only a
-//! harness, which Kani reads alone, is left to them.
+//! The digests of the audited texts, which would notice every change of a source, are switched off: another row has
+//! to notice it. Only a harness, which Kani reads alone, is left to them.
 
 use std::fs;
 

@@ -15,8 +15,8 @@ use crate::observer::Observer;
 use crate::pivot::{certificate, law, parsed};
 use crate::shipped::real;
 
-/// A loop with a converter at the wheel. The body is shown by an encoder of 2^14 counts on the pivot, its window 4, or by an angle and a
-/// rate in steps.
+/// A loop with a converter at the wheel. The body is shown by an encoder of 2^14 counts on the pivot, its window 4,
+/// or by an angle and a rate in steps.
 pub(crate) struct Stepped {
     a: [[f64; 3]; 3],
     b: [f64; 3],
@@ -142,8 +142,8 @@ fn the_two_loops_of_the_linear_model_stay_together() {
     stay_together(&parsed(&certificate(14, WINDOW as u32)), &law());
 }
 
-/// The emitted loop and the one in real numbers, from starts up to the proved one: each within its bounds, and the difference within its
-/// own.
+/// The emitted loop and the one in real numbers, from starts up to the proved one: each within its bounds, and the
+/// difference within its own.
 pub(crate) fn stay_together(certificate: &Certificate, law: &EmittedLaw) {
     let shown = LoopFromRest::of(certificate, law).unwrap();
     let found = shown.for_all_time(certificate, law).unwrap();

@@ -43,6 +43,7 @@ fn the_same_numbers_give_the_same_bytes() {
             "verify/src/lib.rs",
             "verify/src/proofs.rs",
             "verify/src/proofs_attitude.rs",
+            "verify/src/proofs_lines.rs",
             "verify/src/proofs_modes.rs",
             "verify/src/proofs_product.rs",
             "verify/src/proofs_step.rs",

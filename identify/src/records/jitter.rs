@@ -1,11 +1,11 @@
 //! A clock that jitters: time stamps that are off by a random part of the interval between samples, or samples that were
 //! taken late at random.
 //!
-//! An error ε of the time changes a sample of slope s by s ε. If the errors are independent, this is white noise whose
-//! variance σ_t² s² grows with the square of the slope, beside the constant variance σ² of the sensor. Both are estimated from
-//! the log alone: a divided difference of order d over the logged times removes every polynomial of degree below d,
-//! and with its weights w scaled to Σ w² = 1, its mean square is σ² + σ_t² Σ w² s². Regression of the squares on Σ w² s² gives both
-//! variances.
+//! An error ε of the time changes a sample of slope s by s ε. If the errors are independent, this is white noise
+//! whose variance σ_t² s² grows with the square of the slope, beside the constant variance σ² of the sensor. Both are
+//! estimated from the log alone: a divided difference of order d over the logged times removes every polynomial of
+//! degree below d, and with its weights w scaled to Σ w² = 1, its mean square is σ² + σ_t² Σ w² s². Regression of the
+//! squares on Σ w² s² gives both variances.
 
 use plant::Kind;
 
@@ -29,20 +29,20 @@ struct Jitter {
 const ORDERS: [usize; 4] = [2, 4, 6, 8];
 /// A larger order is taken if it lowers the mean square by this share: the motion itself was still in the smaller one.
 const STILL_FALLS: f64 = 0.1;
-/// Likewise where it lowers the jitter by this share: in a chirp, the fast part of the motion is still in the smaller order, and it is
-/// there that the slope is large. A jitter does not fall with the order.
+/// Likewise where it lowers the jitter by this share: in a chirp, the fast part of the motion is still in the smaller
+/// order, and it is there that the slope is large. A jitter does not fall with the order.
 const JITTER_FALLS: f64 = 0.25;
 /// Samples to either side over which a slope is taken.
 const REACH: usize = 2;
-/// The slope must stand out of its own noise by this factor of their mean squares. A jitter that matters makes the slope times a
-/// fifth of an interval comparable to the noise, hence a hundred times its noise over four intervals.
+/// The slope must stand out of its own noise by this factor of their mean squares. A jitter that matters makes the
+/// slope times a fifth of an interval comparable to the noise, hence a hundred times its noise over four intervals.
 const SLOPE_IS_PLAIN: f64 = 10.0;
 /// Fewest differences from which a jitter is estimated.
 const FEWEST: usize = 100;
 /// Squares beyond this multiple of their expectation are jolts or lost samples; 1 in 10⁵ of a Gaussian's.
 const JOLT: f64 = 20.0;
-/// A jitter is plain beyond this many standard errors of its variance. With a few channels in ten logs, chance reaches it on one
-/// bench in 10⁷; the margin is for noise that is not Gaussian.
+/// A jitter is plain beyond this many standard errors of its variance. With a few channels in ten logs, chance
+/// reaches it on one bench in 10⁷; the margin is for noise that is not Gaussian.
 const PLAIN: f64 = 6.0;
 /// Two channels agree if their variances differ by less than this share: their slopes are known to a tenth.
 const AGREES: f64 = 0.5;
@@ -189,10 +189,11 @@ fn step_s(time_s: &[f64]) -> f64 {
     ends.map_or(0.0, |(first, last)| last - first) / intervals
 }
 
-/// The jitter that the channels of a log share: the standard deviation of the time's error in s, from the weighted mean of
-/// the `found` variances. `None` if it is not plain, if a channel contradicts it, if it is more than a fraction of an
-/// interval, or if it makes the smaller part of the noise in every channel. In the last two cases, noise that grows with the slope
-/// may have another cause; the smaller part also stays below the remainder that counts.
+/// The jitter that the channels of a log share: the standard deviation of the time's error in s, from the weighted
+/// mean of the `found` variances. `None` if it is not plain, if a channel contradicts it, if it is more than a
+/// fraction of an interval, or if it makes the smaller part of the noise in every channel. In the last two cases,
+/// noise that grows with the slope may have another cause; the smaller part also stays below the remainder that
+/// counts.
 fn shared(time_s: &[f64], found: &[Jitter]) -> Option<f64> {
     let weight = |one: &Jitter| 1.0 / one.std.powi(2).max(f64::MIN_POSITIVE);
     let total: f64 = found.iter().map(weight).sum();

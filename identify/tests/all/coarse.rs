@@ -253,8 +253,8 @@ fn a_short_driven_log_is_fitted_within_its_errors_or_refused() {
     assert!(rms < 1.5, "{rms}");
 }
 
-/// Seventeen rows of a driven log, from six samples in a period to fewer than two, are no reason for an inertia that is wrong by
-/// a factor: where another period fits as well, the fit has failed and says so.
+/// Seventeen rows of a driven log, from six samples in a period to fewer than two, are no reason for an inertia that
+/// is wrong by a factor: where another period fits as well, the fit has failed and says so.
 #[test]
 fn seventeen_rows_of_a_driven_log_are_fitted_however_coarse() {
     for step_s in [0.1, 0.25, 0.5] {

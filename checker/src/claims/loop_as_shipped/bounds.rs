@@ -163,7 +163,8 @@ fn of_readings(responses: &Responses, sizes: &[BigRational], row: usize) -> BigR
 /// The motion between samples, and the errors that follow from it.
 struct Settled {
     between: Between,
-    /// The error of the held current, without the immediate effect of the inputs of one sample, which the loop contains itself (A).
+    /// The error of the held current, without the immediate effect of the inputs of one sample, which the loop
+    /// contains itself (A).
     noise: BigRational,
     /// The sizes of these inputs.
     sizes: Vec<BigRational>,
@@ -256,8 +257,8 @@ fn following(
     })
 }
 
-/// The size of the errors before the start: of the encoder on the pivot at rest, or of the state of an observer that waits, which is as
-/// wrong as the estimate, and rounded (rad).
+/// The size of the errors before the start: of the encoder on the pivot at rest, or of the state of an observer that
+/// waits, which is as wrong as the estimate, and rounded (rad).
 fn before_start(errors: &SensorErrors, of_estimate: &BigRational) -> BigRational {
     match &errors.observer {
         Some(_) => of_estimate + EmittedObserver::state_rounding(),
@@ -334,8 +335,8 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// The difference to a loop without any error, whose numbers are besides other ones. The body is shown by an encoder on the pivot, or
-    /// directly.
+    /// The difference to a loop without any error, whose numbers are besides other ones. The body is shown by an
+    /// encoder on the pivot, or directly.
     ///
     /// # Errors
     /// [`NoBounds`].

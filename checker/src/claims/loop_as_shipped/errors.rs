@@ -11,9 +11,10 @@
 //! from all other errors of the command, whose course over time is not known
 //! ([`crate::claims::loop_as_shipped::layout`]).
 //!
-//! **Observer of the angle's bias.** It knows the command with all its errors. So the errors of what is shown, of the command and
-//! of the observer's own state are inputs of one sample each, as that of the encoder's reading is, and only what the drive
-//! adds to the command is left to the errors whose course is not known ([`SensorErrors::of_sample`]).
+//! **Observer of the angle's bias.** It knows the command with all its errors. So the errors of what is shown, of the
+//! command and of the observer's own state are inputs of one sample each, as that of the encoder's reading is, and
+//! only what the drive adds to the command is left to the errors whose course is not known
+//! ([`SensorErrors::of_sample`]).
 //!
 //! **Ends of the sensors.** If a bound on an angle, a rate, an acceleration or the wheel speed lies beyond the range of its
 //! sensor, the claim is not settled.
@@ -331,7 +332,8 @@ impl SensorErrors {
         ])
     }
 
-    /// Largest error of the estimated bias by the readings of one sample with these errors (rad), for the observer's ℓ; zero without an observer.
+    /// Largest error of the estimated bias by the readings of one sample with these errors (rad), for the observer's
+    /// ℓ; zero without an observer.
     pub fn estimate(&self, direct: &[BigRational; 3], sizes: &[BigRational]) -> BigRational {
         let Some(observer) = &self.observer else {
             return BigRational::zero();

@@ -97,8 +97,8 @@ impl Layout {
         first..first + self.pivot.unwrap_or(0)
     }
 
-    /// A row of gains as a row of z, with the entry of the observer's state where there is one. Rate and wheel speed are those of
-    /// the sample, or follow from the windows of the encoders.
+    /// A row of gains as a row of z, with the entry of the observer's state where there is one. Rate and wheel speed
+    /// are those of the sample, or follow from the windows of the encoders.
     pub fn row(
         &self,
         gains: &[BigRational; 3],
@@ -139,8 +139,8 @@ impl Layout {
         found
     }
 
-    /// The state at rest at 1 rad; the encoder on the pivot has shown this angle all the time, and an observer with this ℓ₁ sees no
-    /// bias.
+    /// The state at rest at 1 rad; the encoder on the pivot has shown this angle all the time, and an observer with
+    /// this ℓ₁ sees no bias.
     pub fn at_rest(&self, direct: &BigRational) -> Vec<Grid> {
         let one = BigInt::from(1) << BITS;
         let mut found = vec![Grid::zero(); self.order()];
@@ -173,9 +173,10 @@ impl Layout {
         found
     }
 
-    /// The change of z for an error of 1 rad before the start: of the oldest reading in the window of an encoder on the pivot, or
-    /// of the observer's state. The error of a younger reading becomes this one later, so that the errors of all readings
-    /// before the start act one after another in as many steps as [`Layout::angles`] has. `None` without either.
+    /// The change of z for an error of 1 rad before the start: of the oldest reading in the window of an encoder on
+    /// the pivot, or of the observer's state. The error of a younger reading becomes this one later, so that the
+    /// errors of all readings before the start act one after another in as many steps as [`Layout::angles`] has.
+    /// `None` without either.
     pub fn before_start(&self) -> Option<Vec<Grid>> {
         if self.pivot.is_none() && !self.has_observer {
             return None;

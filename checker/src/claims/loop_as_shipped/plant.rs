@@ -115,9 +115,9 @@ pub struct Loop {
     pub current_off: BigRational,
     /// Largest deviation of the delay from this loop's, as a share of a sample.
     pub delay_off: BigRational,
-    /// What one sample shows or computes wrong, as inputs of their own. An encoder on the pivot: its reading (rad). An observer of
-    /// the angle's bias: the readings of angle, rate and wheel speed, the command (A), and the observer's state (rad); it
-    /// knows the command with all errors. Otherwise none.
+    /// What one sample shows or computes wrong, as inputs of their own. An encoder on the pivot: its reading (rad).
+    /// An observer of the angle's bias: the readings of angle, rate and wheel speed, the command (A), and the
+    /// observer's state (rad); it knows the command with all errors. Otherwise none.
     pub readings: Vec<Reading>,
     /// ℓ of the observer; zero without one.
     pub direct: [BigRational; 3],
