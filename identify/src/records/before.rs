@@ -1,39 +1,14 @@
 //! What a log shows of the time before a sample: the angle of the wheel, and how far the body has moved.
 
-use std::sync::OnceLock;
-
 use plant::Output;
 
 use super::noise::{resolution, without_floor};
+use super::past::{Past, Travel};
 use super::record::{Record, mean};
 
 /// Time in s over which the rate is averaged before the body's travel is integrated from it. A balanced body moves over
 /// tenths of a second; the noise of single samples would add to the length of its path.
 const TRAVEL_AVERAGE_S: f64 = 0.02;
-
-/// What the samples say about the time before a window. It is computed once; a clone of a record computes its own,
-/// because its samples may be changed.
-#[derive(Debug, Default)]
-pub(super) struct Past {
-    pub(super) wheel_angle_rad: OnceLock<Vec<f64>>,
-    /// The cache of [`Record::body_travel_before`], over the whole log.
-    travel_rad: OnceLock<Travel>,
-}
-
-impl Clone for Past {
-    fn clone(&self) -> Past {
-        Past::default()
-    }
-}
-
-/// The movement of the body from each sample to the next, as measured.
-#[derive(Debug)]
-struct Travel {
-    /// From the rate if there is one, otherwise from the angle, rad.
-    step_rad: Vec<f64>,
-    /// Accumulated disagreement between angle and rate up to each sample, rad; empty unless both are measured.
-    disagreement_rad: Vec<f64>,
-}
 
 impl Record {
     /// States the wheel's angle in rad as measured at every sample, unwrapped. Missing samples lie on the straight line

@@ -6,6 +6,7 @@ mod before;
 mod charge;
 mod jitter;
 mod noise;
+mod past;
 mod record;
 mod statistics;
 mod thinning;

@@ -5,8 +5,8 @@ use bench_files::{CurrentMeaning, Experiment, Note};
 pub use plant::Output;
 use plant::{Hold, Input, Kind};
 
-use super::before::Past;
 use super::noise::{least_noise_std, noise_by_differences, resolution, steps_of_command};
+use super::past::Past;
 
 /// One measured channel.
 #[derive(Clone, Debug)]
