@@ -1,7 +1,6 @@
 //! The closed loop in tables.
 
 use workbench::numbers::{degrees, percent, significant, with_prefix};
-use workbench::words::linear_range;
 use workbench::{
     EffectOnTransient, LinearRangeReport, LoopOverlay, LoopRun, MeasuredSwings, SimulationReport,
     SpinUpLinearity,
@@ -188,7 +187,7 @@ fn measured_swings(found: &MeasuredSwings) -> String {
     format!(
         "\nMeasured free swings against both models: RMS error over ten periods, of the amplitude\n{}  {}\n",
         table.text(),
-        linear_range(found)
+        found.range_sentence()
     )
 }
 

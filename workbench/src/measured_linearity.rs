@@ -12,6 +12,7 @@ use simulate::linear_validity::{
 
 use crate::control_design::ControlDesign;
 use crate::error::Error;
+use crate::numbers::{percent, significant};
 
 /// Number of periods over which a swing is compared.
 pub(crate) const PERIODS: usize = 10;
@@ -131,6 +132,35 @@ impl SwingLinearity {
 }
 
 impl MeasuredSwings {
+    /// One sentence on the range of amplitudes in which the linear model has the measured period.
+    pub fn range_sentence(&self) -> String {
+        let degrees = |angle_rad: f64| format!("{:.1}°", angle_rad.to_degrees());
+        let (Some(period_s), Some([least, most])) =
+            (self.linear_period_s, self.measured_amplitudes_rad)
+        else {
+            return "no swing is long and clean enough to measure its period".to_owned();
+        };
+        let measured = format!("measured from {} to {}", degrees(least), degrees(most));
+        let period = format!("{} s", significant(period_s, 4));
+        let share = percent(self.period_share);
+        match self.period_good_between_rad {
+            None => format!(
+                "at no amplitude is the period within {share} of the linear model's {period} ({measured})"
+            ),
+            Some([from, to]) => {
+                let end = match self.period_off_from_rad {
+                    Some(off) => format!(", off from {} on", degrees(off)),
+                    None => String::new(),
+                };
+                format!(
+                    "the period is within {share} of the linear model's {period} from {} to {}{end} ({measured})",
+                    degrees(from),
+                    degrees(to)
+                )
+            }
+        }
+    }
+
     fn new(swings: Vec<SwingLinearity>, range: Option<LinearRange>) -> MeasuredSwings {
         MeasuredSwings {
             swings,

@@ -9,14 +9,14 @@ use num_rational::BigRational;
 use num_traits::Signed;
 
 use crate::certificate::reader::{Certificate, CertifiedObserver};
-use crate::claims::control_law::{EmittedLaw, exponent};
+use crate::claims::control_law::EmittedLaw;
+use crate::claims::emitted_observer::STATE_BITS;
 use crate::claims::named_words::{NamedWords, nearest};
+use crate::exact::rational::exponent;
 use crate::exact::rational::{integer, power_of_two};
 
 type Check = Result<(), String>;
 
-/// Fraction bits of the word of z (rad).
-pub(crate) const STATE_BITS: i32 = 30;
 /// Most fraction bits of a product.
 const PRODUCT_BITS_MAX: i32 = 60;
 

@@ -36,13 +36,14 @@ use num_traits::{One, Signed, Zero};
 
 use crate::certificate::reader::{Certificate, CertifiedLoop, matrix, vector};
 use crate::claims::closed_loop_response::Response;
-use crate::claims::control_law::{EmittedLaw, exponent};
+use crate::claims::control_law::EmittedLaw;
 use crate::claims::held_loop::HeldLoop;
 use crate::claims::outcome::ClaimOutcome;
 use crate::claims::window_lag::WindowLag;
 use crate::exact::matrices::{
     Matrix, Vector, inverse, is_positive_definite, product, quadratic, transposed,
 };
+use crate::exact::rational::exponent;
 use crate::exact::rational::{half, integer, power_of_two, root_above, rounded_up};
 
 /// The names of the states.

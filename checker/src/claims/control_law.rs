@@ -18,7 +18,7 @@ use num_traits::Signed;
 use crate::claims::emitted_observer::EmittedObserver;
 use crate::domains::intervals::{Finding, every_bit_pattern, ranges};
 use crate::domains::linear_forms::forms;
-use crate::exact::rational::{half, power_of_two};
+use crate::exact::rational::{exponent, half, power_of_two};
 use crate::language::module::Module;
 use crate::program::types::Type;
 
@@ -164,9 +164,4 @@ impl EmittedLaw {
             .map(|(half, gain)| half * gain.abs())
             .sum()
     }
-}
-
-/// Fraction bits as an exponent.
-pub(crate) fn exponent(bits: u32) -> i32 {
-    i32::try_from(bits).unwrap_or(i32::MAX)
 }

@@ -13,12 +13,14 @@ use num_rational::BigRational;
 use num_traits::{One, Zero};
 
 use crate::certificate::reader::{Certificate, vector};
-use crate::claims::bias_observer_words::STATE_BITS;
-use crate::claims::control_law::exponent;
 use crate::claims::named_words::NamedWords;
 use crate::exact::matrices::Vector;
+use crate::exact::rational::exponent;
 use crate::exact::rational::{half, integer, power_of_two};
 use crate::language::module::Module;
+
+/// Fraction bits of the word of z (rad).
+pub(crate) const STATE_BITS: i32 = 30;
 
 /// The numbers of an observer.
 #[derive(Clone, Debug, PartialEq)]

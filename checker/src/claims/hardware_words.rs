@@ -14,10 +14,11 @@ use crate::certificate::hardware::{
 };
 use crate::certificate::reader::{Certificate, CertifiedLoop, CertifiedVoltage};
 use crate::claims::bias_observer_words::check_words;
-use crate::claims::control_law::{EmittedLaw, exponent};
+use crate::claims::control_law::EmittedLaw;
 use crate::claims::drift_words;
 use crate::claims::loop_as_shipped::inertial::step_of;
 use crate::claims::named_words::{NamedWords, nearest};
+use crate::exact::rational::exponent;
 use crate::exact::rational::{decimal, half, integer, power_of_two, rounded_up};
 use crate::language::module::Module;
 

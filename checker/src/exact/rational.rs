@@ -5,6 +5,11 @@ use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
+/// Fraction bits as an exponent.
+pub(crate) fn exponent(bits: u32) -> i32 {
+    i32::try_from(bits).unwrap_or(i32::MAX)
+}
+
 /// Reads `[-]digits[.digits][e[-]digits]`; `None` for anything else, and for exponents beyond
 /// ±400 (no double has them).
 pub fn decimal(text: &str) -> Option<BigRational> {

@@ -4,19 +4,13 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use super::definitions::{collect, type_definitions};
 use super::header::header;
-use super::items::{FunctionKey, Items, Passing};
+use super::items::{FunctionKey, Items, Passing, Translated};
 use super::names::{PUBLIC, PUBLIC_CONSTANTS, function_name, is_public};
 use super::scope::{CPlace, Scope};
 use super::statement::Target;
 use super::types::{ItemKey, Type, type_name};
 use super::{Result, Untranslatable, board_loop, comments, constants, library, sketch};
 use crate::file::{EmittedCrate, EmittedFile};
-
-/// A translated function.
-pub(super) struct Translated {
-    pub prototype: String,
-    body: Vec<String>,
-}
 
 /// Translates an emitted crate: a C99 header and source, with an Arduino and a PlatformIO library around them, an
 /// example, and the certificate, which states that the language is C.

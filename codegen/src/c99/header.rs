@@ -4,8 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::comments;
 use super::definitions::type_definitions;
-use super::files::Translated;
-use super::items::{Function, FunctionKey, Items};
+use super::items::{Function, FunctionKey, Items, Translated};
 use super::names::{PUBLIC, PUBLIC_CONSTANTS};
 use super::types::{ItemKey, snake};
 

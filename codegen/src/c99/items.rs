@@ -8,6 +8,12 @@ use super::types::{Int, ItemKey, Type};
 use super::{Result, Untranslatable};
 use crate::file::EmittedCrate;
 
+/// A translated function.
+pub(super) struct Translated {
+    pub prototype: String,
+    pub body: Vec<String>,
+}
+
 /// A function or method.
 pub struct Function {
     /// Its module.

@@ -8,7 +8,6 @@ use crate::error::Error;
 use crate::measured_linearity::{MeasuredSwings, PERIODS, SpinUpLinearity};
 use crate::numbers::{percent, significant, with_prefix};
 use crate::output_file::{OutputFile, file_name};
-use crate::words;
 
 /// Columns of a table, with their names.
 type Columns<'a> = Vec<(String, &'a [f64])>;
@@ -262,7 +261,7 @@ impl SimulationReport {
                 "{}: where the linear model deviates from the measured swing",
                 self.model
             ),
-            &format!("First {PERIODS} periods; {}", words::linear_range(found)),
+            &format!("First {PERIODS} periods; {}", found.range_sentence()),
             ("angle", "°"),
             &swings,
         )
