@@ -8,10 +8,8 @@
 //! What stands in is shown elsewhere: `observed` in [`crate::proofs_supervisor`]; the law in [`crate::proofs`]; lines in
 //! [`crate::proofs_lines`].
 
-#[cfg(not(voltage_drive))]
-use generated::constants::DUTY_LINE;
-use generated::constants::{BODY_ANGLE_LINE, BODY_RATE_LINE, HOLDING_LINE, WHEEL_SPEED_LINE};
-use generated::line::{Line, on_line};
+use generated::constants::{BODY_ANGLE_LINE, BODY_RATE_LINE};
+use generated::line::on_line;
 use generated::supervisor::{Counters, Limits, Shown, observed};
 use generated::{CURRENT_LIMIT, Controller, Sample};
 
@@ -36,24 +34,6 @@ fn any_counts(_counters: &Counters, _shown: &Shown, limits: &Limits) -> Counters
         current,
     }
 }
-
-/// The lines of this bench.
-#[cfg(not(voltage_drive))]
-pub(crate) const LINES: [&Line; 5] = [
-    &BODY_ANGLE_LINE,
-    &BODY_RATE_LINE,
-    &HOLDING_LINE,
-    &WHEEL_SPEED_LINE,
-    &DUTY_LINE,
-];
-/// The lines of this bench.
-#[cfg(voltage_drive)]
-pub(crate) const LINES: [&Line; 4] = [
-    &BODY_ANGLE_LINE,
-    &BODY_RATE_LINE,
-    &HOLDING_LINE,
-    &WHEEL_SPEED_LINE,
-];
 
 /// The angle by any count, and the rate by any turn.
 #[kani::proof]

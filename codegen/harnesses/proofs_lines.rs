@@ -1,15 +1,36 @@
-//! Kani proofs of the lines and planes between words of different units; and the ranges that stand in for them and for the law in
-//! the proofs of the step.
+//! Kani proofs of the lines and planes between words of different units; and the ranges that stand in for them and for
+//! the law in the proofs of the step.
 
+#[cfg(not(voltage_drive))]
+use generated::constants::DUTY_LINE;
 #[cfg(voltage_drive)]
 use generated::constants::DUTY_PLANE;
+#[cfg(not(body_encoder))]
+use generated::constants::RATE_LINE;
+use generated::constants::WHEEL_SPEED_LINE;
+#[cfg(body_encoder)]
+use generated::constants::{BODY_ANGLE_LINE, BODY_RATE_LINE, HOLDING_LINE};
 use generated::line::{Line, on_line};
 #[cfg(voltage_drive)]
 use generated::plane::on_plane;
 use generated::{Angle, CURRENT_LIMIT, Current, Rate, WheelSpeed};
 
-use crate::proofs_step::LINES;
 use crate::words::any_within;
+
+/// The lines of this bench.
+const LINES: &[&Line] = &[
+    #[cfg(body_encoder)]
+    &BODY_ANGLE_LINE,
+    #[cfg(body_encoder)]
+    &BODY_RATE_LINE,
+    #[cfg(body_encoder)]
+    &HOLDING_LINE,
+    #[cfg(not(body_encoder))]
+    &RATE_LINE,
+    &WHEEL_SPEED_LINE,
+    #[cfg(not(voltage_drive))]
+    &DUTY_LINE,
+];
 
 /// [`lines_in_range`] shows it for the lines of this bench.
 pub(crate) fn any_on_line(_word: i32, line: &Line) -> i32 {

@@ -1,9 +1,12 @@
 //! Sensors, mounting, filter and converter, as the certificate states them.
 
+use num_rational::BigRational;
+use num_traits::Signed;
 use serde::Deserialize;
 use serde::de::Deserializer;
 
 use crate::certificate::stated_decimal::{StatedDecimal, stated};
+use crate::exact::rational::power_of_two;
 
 /// All of them.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -195,6 +198,30 @@ pub struct CertifiedSensor {
     pub matrix: [[StatedDecimal; 3]; 3],
     /// Count at or beyond which the true value is unknown.
     pub clip_counts: [i32; 3],
+}
+
+impl CertifiedSensor {
+    /// The change of the value along axis `row` of the body if every word changes by one step. That of a left-justified
+    /// word is more than a count: the largest power of two that divides every count at which the sensor clips.
+    pub fn step(&self, row: usize) -> BigRational {
+        let clips = self.clip_counts.iter().filter(|clip| **clip != 0);
+        let shift = clips.map(|clip| clip.trailing_zeros()).min().unwrap_or(0);
+        let entries = self.matrix[row].iter();
+        let count: BigRational = entries.map(|entry| entry.value.abs()).sum();
+        count * power_of_two(shift as i32)
+    }
+}
+
+impl CertifiedInertial {
+    /// The change of the angle by one step of the accelerometer (rad).
+    pub fn angle_step(&self) -> BigRational {
+        self.accelerometer.step(0).max(self.accelerometer.step(1)) / &self.gravity_m_s2.value
+    }
+
+    /// The change of the body's rate by one step of the gyroscope (rad/s).
+    pub fn rate_step(&self) -> BigRational {
+        self.gyroscope.step(2)
+    }
 }
 
 /// A straight line from counts.

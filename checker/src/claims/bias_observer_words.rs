@@ -12,8 +12,7 @@ use crate::certificate::reader::{Certificate, CertifiedObserver};
 use crate::claims::control_law::EmittedLaw;
 use crate::claims::emitted_observer::STATE_BITS;
 use crate::claims::named_words::{NamedWords, nearest};
-use crate::exact::rational::exponent;
-use crate::exact::rational::{integer, power_of_two};
+use crate::exact::rational::{exponent, integer, power_of_two};
 
 type Check = Result<(), String>;
 

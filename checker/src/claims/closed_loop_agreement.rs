@@ -20,8 +20,7 @@ use crate::claims::closed_loop_for_all_time::loops;
 use crate::claims::control_law::EmittedLaw;
 use crate::claims::outcome::ClaimOutcome;
 use crate::exact::matrices::{dot, inverse, product};
-use crate::exact::rational::exponent;
-use crate::exact::rational::{half, integer, power_of_two, rounded_up};
+use crate::exact::rational::{exponent, half, integer, power_of_two, rounded_up};
 use crate::language::emitted::Emitted;
 use crate::language::module::Module;
 

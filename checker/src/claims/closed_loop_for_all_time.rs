@@ -43,8 +43,7 @@ use crate::claims::window_lag::WindowLag;
 use crate::exact::matrices::{
     Matrix, Vector, inverse, is_positive_definite, product, quadratic, transposed,
 };
-use crate::exact::rational::exponent;
-use crate::exact::rational::{half, integer, power_of_two, root_above, rounded_up};
+use crate::exact::rational::{exponent, half, integer, power_of_two, root_above, rounded_up};
 
 /// The names of the states.
 const STATES: [&str; 3] = ["angle", "rate", "wheel speed"];

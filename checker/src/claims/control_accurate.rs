@@ -7,8 +7,7 @@ use crate::claims::outcome::ClaimOutcome;
 use crate::claims::random::Random;
 use crate::domains::machine::Machine;
 use crate::domains::smt::{Question, SolverAnswer, TIMEOUT_MS, answered};
-use crate::exact::rational::exponent;
-use crate::exact::rational::{half, integer, power_of_two, rounded_up};
+use crate::exact::rational::{exponent, half, integer, power_of_two, rounded_up};
 use crate::language::module::Module;
 use crate::program::steps::Program;
 

@@ -15,8 +15,7 @@ use num_traits::{One, Zero};
 use crate::certificate::reader::{Certificate, vector};
 use crate::claims::named_words::NamedWords;
 use crate::exact::matrices::Vector;
-use crate::exact::rational::exponent;
-use crate::exact::rational::{half, integer, power_of_two};
+use crate::exact::rational::{exponent, half, integer, power_of_two};
 use crate::language::module::Module;
 
 /// Fraction bits of the word of z (rad).

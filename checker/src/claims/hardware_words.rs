@@ -16,10 +16,8 @@ use crate::certificate::reader::{Certificate, CertifiedLoop, CertifiedVoltage};
 use crate::claims::bias_observer_words::check_words;
 use crate::claims::control_law::EmittedLaw;
 use crate::claims::drift_words;
-use crate::claims::loop_as_shipped::inertial::step_of;
 use crate::claims::named_words::{NamedWords, nearest};
-use crate::exact::rational::exponent;
-use crate::exact::rational::{decimal, half, integer, power_of_two, rounded_up};
+use crate::exact::rational::{decimal, exponent, half, integer, power_of_two, rounded_up};
 use crate::language::module::Module;
 
 type Check = Result<(), String>;
@@ -350,15 +348,9 @@ fn check_sensor_steps(
     wheel: &CertifiedWheelSpeed,
     stated: &CertifiedLoop,
 ) -> Check {
-    let row = |sensor: &CertifiedSensor, row: usize| -> BigRational {
-        let entries = sensor.matrix[row].iter();
-        let count: BigRational = entries.map(|entry| entry.value.abs()).sum();
-        count * integer(step_of(&sensor.clip_counts))
-    };
-    let accel = &hardware.accelerometer;
     let found = [
-        row(accel, 0).max(row(accel, 1)) / &hardware.gravity_m_s2.value,
-        row(&hardware.gyroscope, 2),
+        hardware.angle_step(),
+        hardware.rate_step(),
         wheel.rad_s_per_count.value.abs(),
     ];
     for (index, found) in found.iter().enumerate() {

@@ -105,6 +105,19 @@ pub(crate) struct Seen {
 }
 
 impl Pendulum {
+    /// What stays of readings that only round, after this number of steps: within what is proved of it, and not nothing.
+    pub(crate) fn keeps_up_no_more_than_is_proved(&self, shown: &ShippedLoop, steps: usize) {
+        for delay in [0.0, 1.0] {
+            let seen = self.run(0.9 * real(&shown.start), delay, Sensors::Round, steps, 1);
+            let kept = shown.kept_up.states.iter().chain([&shown.kept_up.command]);
+            for (index, bound) in kept.enumerate() {
+                println!("{index}: {:.3e} of {:.3e}", seen.late[index], real(bound));
+                assert!(seen.late[index] <= real(bound), "quantity {index}");
+            }
+            assert!(seen.late[0] > 1e-6);
+        }
+    }
+
     fn new() -> Pendulum {
         let (certificate, law) = emitted();
         Pendulum::of(&certificate, &law, shown())

@@ -19,7 +19,7 @@ mod calls;
 #[path = "c99/damage.rs"]
 mod damage;
 #[path = "c99/harnesses.rs"]
-mod harnesses;
+pub mod harnesses;
 #[path = "c99/monitor.rs"]
 mod monitor;
 #[path = "c99/mutants.rs"]

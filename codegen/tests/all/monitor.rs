@@ -14,6 +14,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::benches::{with_voltage, with_wheel_encoder};
+use crate::c99::harnesses::WARNINGS;
 use crate::thesis;
 
 const NOISE: MonitorSpec = MonitorSpec {
@@ -322,15 +323,8 @@ fn the_c_says_the_same() {
     fs::write(source.join("main.c"), MAIN).unwrap();
     let output = Command::new("gcc")
         .current_dir(&source)
-        .args([
-            "-std=c99",
-            "-Wall",
-            "-Wextra",
-            "-Wconversion",
-            "-Wpedantic",
-            "-Werror",
-            "-O1",
-        ])
+        .args(WARNINGS)
+        .arg("-O1")
         .args(["-fsanitize=undefined", "-fsanitize-undefined-trap-on-error"])
         .args(["-o", "../monitor", "flywheel.c", "main.c"])
         .output()

@@ -1,12 +1,12 @@
 //! A clock that jitters: white noise that grows with the slope, and no missing effect.
 
 use diagnose::Verdict;
-use exam::{ChannelNoise, DriveProgram, ExperimentPlan, Hidden, record};
+use exam::{DriveProgram, ExamLog, Hidden};
 use identify::{FitProblem, Record};
 use plant::{EffectId, Kind, Model};
 use rand::{RngExt, SeedableRng};
 
-use crate::thesis_bench::{Planned, diagnosed, truth};
+use crate::thesis_bench::{Planned, diagnosed, measured, truth};
 
 const PLANNED: [Planned; 4] = [
     ("swing 20", Kind::FreeSwing, 0.35, DriveProgram::None),
@@ -30,21 +30,8 @@ enum Clock {
 
 fn problem(hidden: Option<Hidden>, clock: Clock, seed: u64) -> FitProblem {
     let truth = truth(hidden);
-    let noise = ChannelNoise {
-        std: [1.2e-3, 4e-3, 0.6],
-    };
     let mut dice = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
-    let of = |((name, kind, angle_rad, driving), seed): (&Planned, u64)| {
-        let plan = ExperimentPlan {
-            name: (*name).to_owned(),
-            kind: *kind,
-            angle_rad: *angle_rad,
-            wheel_speed_rad_s: 0.0,
-            driving: driving.clone(),
-            duration_s: 40.0,
-            sample_s: 0.001,
-        };
-        let log = record(&truth, &plan, &noise, seed);
+    let of = |((name, kind, ..), log): (&Planned, ExamLog)| {
         let count = log.time_s.len() / FINE - 1;
         let step_s = 0.001 * FINE as f64;
         let (mut at, mut time_s) = (vec![], vec![]);
@@ -63,7 +50,8 @@ fn problem(hidden: Option<Hidden>, clock: Clock, seed: u64) -> FitProblem {
         let current = Some(pick(&log.current_a));
         Record::new(name, *kind, time_s, outputs, current, false)
     };
-    let records = PLANNED.iter().zip(100 * seed..).map(of).collect();
+    let measured = measured(&truth, &PLANNED, [40.0, 0.001], 10 * seed);
+    let records = measured.into_iter().map(of).collect();
     let known = [None, None, Some(truth.base[2]), Some(truth.base[3])];
     FitProblem::from_records(records, known, Default::default()).expect("records")
 }

@@ -1,7 +1,7 @@
 //! Logs of the thesis' pendulum with a hidden effect, and their diagnosis.
 
 use diagnose::{Diagnosis, Options, diagnose_with};
-use exam::{ChannelNoise, DriveProgram, ExperimentPlan, Hidden, Truth, record};
+use exam::{ChannelNoise, DriveProgram, ExamLog, ExperimentPlan, Hidden, Truth, record};
 use identify::{FitProblem, Progress, Record, fit_until};
 use plant::{Kind, Model};
 
@@ -18,18 +18,19 @@ pub fn truth(hidden: Option<Hidden>) -> Truth {
 /// An experiment: its name, kind, first angle in rad and currents.
 pub type Planned = (&'static str, Kind, f64, DriveProgram);
 
-/// The logs of these experiments, each `duration_s` long with a sample every `sample_s`.
-pub fn logs(
+/// What is measured in these experiments, each `duration_s` long with a sample every `sample_s`.
+pub fn measured<'a>(
     truth: &Truth,
-    planned: &[Planned],
+    planned: &'a [Planned],
     [duration_s, sample_s]: [f64; 2],
     seed: u64,
-) -> Vec<Record> {
+) -> Vec<(&'a Planned, ExamLog)> {
     let noise = ChannelNoise {
         std: [1.2e-3, 4e-3, 0.6],
     };
     let numbered = planned.iter().zip(10 * seed..);
-    let of = |((name, kind, angle_rad, driving), seed): (&Planned, u64)| {
+    let of = |(planned, seed): (&'a Planned, u64)| {
+        let (name, kind, angle_rad, driving) = planned;
         let plan = ExperimentPlan {
             name: (*name).to_owned(),
             kind: *kind,
@@ -39,12 +40,20 @@ pub fn logs(
             duration_s,
             sample_s,
         };
-        let log = record(truth, &plan, &noise, seed);
+        (planned, record(truth, &plan, &noise, seed))
+    };
+    numbered.map(of).collect()
+}
+
+/// The logs of these experiments, as [`measured`].
+pub fn logs(truth: &Truth, planned: &[Planned], times_s: [f64; 2], seed: u64) -> Vec<Record> {
+    let of = |((name, kind, ..), log): (&Planned, ExamLog)| {
         let outputs = log.measured.map(Some);
         let current = Some(log.current_a);
         Record::new(name, *kind, log.time_s, outputs, current, false)
     };
-    numbered.map(of).collect()
+    let measured = measured(truth, planned, times_s, seed);
+    measured.into_iter().map(of).collect()
 }
 
 /// The diagnosis from the base model.

@@ -3,20 +3,20 @@
 //! Kani proof of the whole step, from every state of the invariant.
 //!
 //! The fields of a controller are private, so a state is reached as the crate reaches it. The parts that write the state
-//! stand in by their ranges: after one step with any sample the attitude, the drift, the counts, the window and the observer's word
-//! are any words of the invariant, and the window may have been full. A wish follows: arm, disarm, fault, or none. So the second step starts in any state: not aligned, ready,
-//! running, or tripped. (A trip by a count acts as one by a fault: only `Running` and `NotAligned` are asked for.)
+//! stand in by their ranges: after one step with any sample the attitude, the drift, the counts, the window and the
+//! observer's word are any words of the invariant, and the window may have been full. A wish follows: arm, disarm,
+//! fault, or none. So the second step starts in any state: not aligned, ready, running, or tripped. (A trip by a count
+//! acts as one by a fault: only `Running` and `NotAligned` are asked for.)
 //!
 //! What stands in is shown elsewhere: `observed`, `gathered` in [`crate::proofs_supervisor`]; the law in
-//! [`crate::proofs`]; lines in [`crate::proofs_lines`]; the observer here; the filter in [`crate::proofs_attitude`]; `aligned` and the rows of
-//! products by the checker.
+//! [`crate::proofs`]; lines in [`crate::proofs_lines`]; the observer here; the filter in [`crate::proofs_attitude`];
+//! `aligned` and the rows of products by the checker.
 
 use generated::bias_observer::{BiasObserver, advanced, estimated_bias, waiting};
-use generated::constants::DUTY_LINE;
-use generated::constants::{ANGLE_MAX, BIAS_OBSERVER, LIMITS, RATE_LINE, WHEEL_SPEED_LINE};
+use generated::constants::{ANGLE_MAX, BIAS_OBSERVER, LIMITS};
 use generated::drift::{rate_error, tracked};
 use generated::lever_arm::{length_squared, without_motion};
-use generated::line::{Line, on_line};
+use generated::line::on_line;
 use generated::madgwick::{COMPONENT_MAX, aligned, correction_imu, turned, unit_q28};
 use generated::pivot_angle::pivot_angle;
 use generated::supervisor::{Counters, Limits, SUM_MAX, Window, gathered, observed};
@@ -89,9 +89,6 @@ fn any_window(_window: &Window, _up: [i32; 3], _is_quiet: bool, limits: &Limits)
         sum: any_within(SUM_MAX),
     }
 }
-
-/// The lines of this bench.
-pub(crate) const LINES: [&Line; 3] = [&RATE_LINE, &WHEEL_SPEED_LINE, &DUTY_LINE];
 
 /// Any words of the states, the current and the observer.
 #[kani::proof]

@@ -315,6 +315,15 @@ mod tests {
             .collect()
     }
 
+    fn with_unit_noise<'a>(residual: &'a [f64], time_s: &'a [f64]) -> NoisySeries<'a> {
+        NoisySeries {
+            residual,
+            time_s,
+            weight: &[],
+            noise_std: 1.0,
+        }
+    }
+
     #[test]
     fn size_time_and_frequency_are_recovered() {
         for (std, time_s, frequency_rad_s) in [
@@ -333,12 +342,7 @@ mod tests {
             for seed in 0..seeds {
                 let all = times(seed, 6000);
                 let residual = simulated(&truth, seed, &all);
-                let series = NoisySeries {
-                    residual: &residual,
-                    time_s: &all,
-                    weight: &[],
-                    noise_std: 1.0,
-                };
+                let series = with_unit_noise(&residual, &all);
                 let found = Discrepancy::of(&series);
                 ratios[0] += (found.std / std).ln() / seeds as f64;
                 ratios[1] += (found.time_s / time_s).ln() / seeds as f64;
@@ -366,12 +370,7 @@ mod tests {
         for seed in 0..20 {
             let all = times(seed, 3000);
             let residual = white(seed, all.len());
-            let series = NoisySeries {
-                residual: &residual,
-                time_s: &all,
-                weight: &[],
-                noise_std: 1.0,
-            };
+            let series = with_unit_noise(&residual, &all);
             let found = Discrepancy::of(&series);
             assert!(found.std < 0.25, "seed {seed}: {found:?}");
             let gain = found.log_likelihood(&series) - Discrepancy::NONE.log_likelihood(&series);

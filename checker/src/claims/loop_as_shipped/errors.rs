@@ -22,15 +22,13 @@
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
-use crate::certificate::hardware::{
-    CertifiedBody, CertifiedBodyEncoder, CertifiedInertial, CertifiedSensor,
-};
+use crate::certificate::hardware::{CertifiedBody, CertifiedBodyEncoder, CertifiedInertial};
 use crate::certificate::reader::Certificate;
 use crate::claims::control_law::EmittedLaw;
 use crate::claims::emitted_observer::EmittedObserver;
 use crate::claims::held_loop::{back_emf, held_gains};
 use crate::claims::loop_as_shipped::NoBounds;
-use crate::claims::loop_as_shipped::inertial::{InertialErrors, MotionBounds, step_of};
+use crate::claims::loop_as_shipped::inertial::{InertialErrors, MotionBounds};
 use crate::exact::rational::{half, integer, power_of_two, short_above as up};
 
 /// The errors that the sensors may have.
@@ -111,16 +109,9 @@ pub struct CountErrors {
 
 impl CountErrors {
     fn of(certificate: &Certificate, inertial: &CertifiedInertial) -> CountErrors {
-        let row = |sensor: &CertifiedSensor, row: usize| -> BigRational {
-            let entries = sensor.matrix[row].iter();
-            let sum: BigRational = entries.map(|entry| entry.value.abs()).sum();
-            sum * integer(step_of(&sensor.clip_counts))
-        };
-        let accel = &inertial.accelerometer;
-        let count = row(accel, 0).max(row(accel, 1)) / &inertial.gravity_m_s2.value;
         CountErrors {
-            angle: up(count * half()),
-            rate: up(row(&inertial.gyroscope, 2) * half()),
+            angle: up(inertial.angle_step() * half()),
+            rate: up(inertial.rate_step() * half()),
             ranges: [0, 1].map(|index| certificate.inputs[index].range.value.clone()),
         }
     }

@@ -95,14 +95,6 @@ pub struct InertialErrors {
     turn: BigRational,
 }
 
-/// The step of a sensor's words, in counts: the largest power of two that divides every count at which it clips. That of a
-/// left-justified word is more than one.
-pub(crate) fn step_of(clips: &[i32; 3]) -> i128 {
-    let zeros = clips.iter().filter(|clip| **clip != 0);
-    let shift = zeros.map(|clip| clip.trailing_zeros()).min().unwrap_or(0);
-    1 << shift
-}
-
 impl InertialErrors {
     /// The errors that follow from reading errors of this number of resolution `steps`; with `with_drift` the gyroscope
     /// also drifts.
@@ -116,11 +108,7 @@ impl InertialErrors {
         with_drift: bool,
     ) -> Result<InertialErrors, NoBounds> {
         let both = |sensor: &CertifiedSensor| {
-            let count = steps * integer(step_of(&sensor.clip_counts));
-            let axes = [0, 1, 2].map(|row| {
-                let sum: BigRational = sensor.matrix[row].iter().map(|x| x.value.abs()).sum();
-                sum * &count
-            });
+            let axes = [0, 1, 2].map(|row| sensor.step(row) * steps);
             let squares: BigRational = axes.iter().map(|axis| axis * axis).sum();
             let together = root_above(&squares).unwrap_or_default();
             (axes.into_iter().max().unwrap_or_default(), together)
