@@ -218,12 +218,16 @@ fn scratch(name: &str) -> PathBuf {
 #[test]
 #[cfg_attr(not(have_rustfmt), ignore = "needs rustfmt")]
 fn rustfmt_would_change_nothing() {
-    for spec in benches::all() {
+    for spec in benches::all()
+        .into_iter()
+        .chain(benches::with_body_encoders())
+    {
         let directory = tempfile::tempdir().unwrap();
         generate(&spec).unwrap().write(directory.path()).unwrap();
+        // A crate's root leads to its other files.
         let output = Command::new("rustfmt")
             .args(["--edition", "2024", "--check"])
-            .arg(directory.path().join("src/lib.rs"))
+            .args(["src/lib.rs", "verify/src/lib.rs"].map(|path| directory.path().join(path)))
             .output()
             .unwrap();
         assert!(
