@@ -79,7 +79,7 @@ fn nothing_is_assumed_unasked() {
     let emitted = folder.path().join("emitted");
     for file in ["src/lib.rs", "certificate.json"] {
         let text = fs::read_to_string(emitted.join(file)).expect("emitted");
-        assert!(text.contains("FXOS8700 at ±8 g"), "{file}");
+        assert!(text.contains("FXOS8700, ±8 g"), "{file}");
     }
     let verdict = verdict(&quick_proof(&emitted, None));
     assert!(!matches!(verdict, ProofVerdict::Fails(_)), "{verdict:?}");

@@ -3,6 +3,7 @@
 //! designs and generates; the firmware is compiled with the new module, which then balances.
 
 mod arduino;
+mod c_loop;
 mod firmware;
 mod hand;
 mod line;

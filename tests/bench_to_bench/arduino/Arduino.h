@@ -1,6 +1,7 @@
 // Stands in for the ESP32 core of Arduino, as far as the emitted sketch uses it: clock, serial line and duty are those of a
 // simulated bench (`stand_in.cpp`).
 #pragma once
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 

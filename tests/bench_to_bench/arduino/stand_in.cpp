@@ -1,6 +1,9 @@
 // The board and the sensors around the emitted sketch: the clock, the line and the registers of the parts, filled by
 // another program each tick and read by it. The messages are those of `firmware/on-host`.
 #include "Wire.h"
+#if defined(SIMPLEFOC)
+#include "SimpleFOC.h"
+#endif
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -102,6 +105,24 @@ bool ledcWrite(uint8_t, uint32_t counts) {
     return true;
 }
 
+#if defined(SIMPLEFOC)
+// The numbers are those of the bench in `arduino.rs`.
+BLDCMotor motor;
+namespace {
+bool has_begun_motor, has_moved;
+}
+int BLDCMotor::init() { return 1; }
+int BLDCMotor::initFOC() {
+    has_begun_motor = controller == MotionControlType::torque && torque_controller == TorqueControlType::voltage;
+    return 1;
+}
+void BLDCMotor::loopFOC() { shaft_velocity = 0.1f * (int16_t)wheel; }
+void BLDCMotor::move() {
+    if (!has_begun_motor) fail("a motor that moves before it begins");
+    has_moved = true;
+}
+#endif
+
 void SerialLine::begin(unsigned long) {}
 int SerialLine::available() { return (int)came.size(); }
 int SerialLine::read() {
@@ -127,6 +148,10 @@ size_t Bus::write(uint8_t byte) {
     return 1;
 }
 uint8_t Bus::endTransmission(bool) {
+#if defined(SIMPLEFOC)
+    // No duty goes to a timer: a step shows by its look at the sensors.
+    has_stepped = true;
+#endif
     if (!answers) return 2;
     if (sent.empty() || device >= 128) fail("a transmission of nothing");
     address = sent[0];
@@ -167,8 +192,15 @@ int main() {
         has_begun = true;
         goes.clear();
         has_stepped = false;
+#if defined(SIMPLEFOC)
+        has_moved = false;
+#endif
         // A board calls it over and over.
         for (int turn = 0; turn < 100 && (!has_stepped || !came.empty()); turn++) loop();
+#if defined(SIMPLEFOC)
+        if (!has_moved) fail("a motor that nobody moves");
+        duty = (uint16_t)(lroundf(motor.target / 0.000732444f) + 32768);
+#endif
         if (!has_stepped) fail("no step in a tick");
         const uint8_t length = (uint8_t)goes.size();
         fwrite(&duty, sizeof duty, 1, stdout);

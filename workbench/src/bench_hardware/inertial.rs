@@ -60,7 +60,7 @@ impl Work<'_> {
             gyroscope,
             self.calibration.gyroscope,
             (thesis.gyro, thesis.gyro_clip),
-            "FXAS21002 at ±2000 °/s",
+            "FXAS21002, ±2000 °/s",
             "part = \"MPU-6050\", or scale in rad/s per count",
         );
         let accel = self.sensor(
@@ -68,7 +68,7 @@ impl Work<'_> {
             accelerometer,
             self.calibration.accelerometer,
             (thesis.accel, thesis.accel_clip),
-            "FXOS8700 at ±8 g, 4096 counts/g",
+            "FXOS8700, ±8 g, 4096 counts/g",
             "part = \"MPU-6050\", or scale in m/s2 per count",
         );
         // The angle needs no magnetometer, so that a missing statement is no error.
