@@ -51,7 +51,8 @@ pub const BASE_PARAMETERS: [ParameterInfo; 4] = [
         unit: "N m/A",
         meaning: "τ, torque of the motor per ampere",
         plausible: (1e-3, 1.0),
-        bounds: (1e-9, 1e3),
+        // Where no torque is known it is per unit of the wheel's inertia: 0.1 N m/A on 1e-9 kg m2 are still within.
+        bounds: (1e-9, 1e9),
         is_torque: true,
         logarithmic: false,
         is_whole: false,

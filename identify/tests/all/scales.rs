@@ -31,6 +31,37 @@ fn without_a_known_torque_parameters_are_per_unit_of_inertia() {
     );
 }
 
+/// A geared motor's light wheel: 4,000 N m/A per kg m2, and its speed in 50 ms.
+#[test]
+fn a_torque_constant_per_unit_of_a_small_inertia_is_within_its_bounds() {
+    let physics = Physics {
+        values: [VALUES[0], 1e-5, VALUES[2], 0.04, VALUES[4], 2e-4],
+        ..Physics::base()
+    };
+    let spin_up = spin_up("spin-up", &|_| 1.0, 1.0);
+    let problem = FitProblem::from_records(
+        vec![log(&physics, &spin_up, 2608)],
+        [None; 4],
+        Default::default(),
+    )
+    .expect("records");
+    let found = fitted(&problem, &[]);
+    for (name, truth) in [
+        ("torque_constant", 4000.0),
+        ("wheel_viscous_friction", 20.0),
+    ] {
+        let (value, std) = parameter(&found, name);
+        assert!((value - truth).abs() < 4.0 * std, "{name}: {value} ± {std}");
+        assert!(std < 0.02 * truth, "{name}: {value} ± {std}");
+    }
+    let on_bounds = |statement: &String| statement.contains("bound");
+    assert!(
+        !found.statements.iter().any(on_bounds),
+        "{:?}",
+        found.statements
+    );
+}
+
 /// The back-EMF constant is the torque constant, and stands per unit of inertia where that does: so do the
 /// voltage and the resistance, and only their ratios to it mean anything.
 #[test]
