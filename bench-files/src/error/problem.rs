@@ -522,13 +522,16 @@ pub enum Problem {
     },
     /// The angle is not counted from the hanging position.
     #[error(
-        "in this {kind} log the angle stays about {median_rad:.2} rad; a {kind} log needs hanging at 0 and upright at pi (3.1416). If the file has degrees, set units = {{ angle = \"deg\" }}; if its zero is elsewhere, set offset = {{ angle = {offset:.8} }} at the experiment"
+        "in this {kind} log the angle stays about {median_rad:.2} rad; a {kind} log needs hanging at 0 and upright at pi (3.1416). {}If its zero is elsewhere, set offset = {{ angle = {offset:.8} }} at the experiment",
+        if *has_unit { "" } else { "If the file has degrees, set units = { angle = \"deg\" }. " }
     )]
     WrongUpright {
         /// Name of the kind.
         kind: &'static str,
         /// Median of the angle, rad.
         median_rad: f64,
+        /// Whether bench.toml states the angle's unit.
+        has_unit: bool,
         /// The offset that would probably be right, rad.
         offset: f64,
     },

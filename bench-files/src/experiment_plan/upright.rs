@@ -69,6 +69,7 @@ impl ExperimentPlan {
                 Problem::WrongUpright {
                     kind: self.kind.name(),
                     median_rad,
+                    has_unit: find(&self.units, Channel::Angle).is_some(),
                     offset: old + ((expected - median_rad) / PI).round() * PI,
                 },
             ));

@@ -300,6 +300,14 @@ fn logs() {
     for (case, kind, more, log, parts) in cases {
         assert_says(case, &bench_error(case, &one(kind, more), &log), parts);
     }
+    // Degrees that are stated are not asked about.
+    let stated = one("balance", "units = { angle = \"deg\" }\n");
+    let log = rows("time_s,angle_rad,current_A", "T,24.2,0.1").into_bytes();
+    let error = bench_error("degrees of another zero", &stated, &log).to_string();
+    assert!(
+        error.contains("offset = {") && !error.contains("degrees"),
+        "{error}"
+    );
 }
 
 /// Sparse files: gigabytes that take no room.
