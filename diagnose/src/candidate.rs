@@ -3,6 +3,7 @@
 use identify::{FitProblem, Minimum, PredictedSeries, Record, traces};
 use plant::{EffectId, Model};
 
+use crate::physical::{Unphysical, unphysical};
 use crate::remainder::remainders;
 
 /// A fitted model with its residuals.
@@ -24,6 +25,8 @@ pub struct Candidate {
     pub windowed: Option<Minimum>,
     /// Number of free parameters that do not lie on a bound.
     pub parameters: usize,
+    /// The fitted values that the causes of the added effects cannot have.
+    pub unphysical: Vec<Unphysical>,
 }
 
 impl Candidate {
@@ -45,6 +48,7 @@ impl Candidate {
             .free(&model)
             .len()
             .saturating_sub(minimum.on_bound.iter().filter(|held| **held).count());
+        let unphysical = unphysical(problem, records, (&model, &added), &minimum);
         Candidate {
             added,
             model,
@@ -53,6 +57,7 @@ impl Candidate {
             traces,
             windowed,
             parameters,
+            unphysical,
         }
     }
 
@@ -78,6 +83,12 @@ impl Candidate {
             .flatten()
             .copied()
             .fold(0.0, f64::max)
+    }
+
+    /// Whether an effect has a value that its cause cannot have, by more than `sigmas` standard errors. Such a candidate
+    /// describes the measurements and explains nothing.
+    pub fn is_unphysical(&self, sigmas: f64) -> bool {
+        self.unphysical.iter().any(|one| one.sigmas() > sigmas)
     }
 
     /// The added effects as a set, in the order of the library.

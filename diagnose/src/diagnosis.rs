@@ -16,9 +16,11 @@ use crate::bench::{IsCancelled, SearchBench};
 use crate::candidate::Candidate;
 use crate::decision::{Decision, decide};
 use crate::economy::{MOST_REVISIONS, MOST_SUSPECTS, SAMPLES_PER_PERIOD};
+use crate::evidence::imitation;
 use crate::genuine::genuine;
 use crate::imperfection::Imperfections;
 use crate::next_experiment::propose;
+use crate::open::without_open;
 use crate::pool::Search;
 use crate::ranking::{Ranked, ranked};
 use crate::remains::remains;
@@ -198,6 +200,8 @@ struct Searched<'a> {
     start: Start<'a>,
     found: Search,
     decision: Decision,
+    /// What is said about an explanation that was given up (see [`without_open`]).
+    given_up: Option<String>,
 }
 
 impl<'a> Start<'a> {
@@ -297,8 +301,13 @@ impl<'a> Searched<'a> {
         let left = |index: usize| bench.unexplained_remainder(&found.pool[index]);
         let excess = |index: usize| bench.excess(&found.pool[index]);
         let decision = decide(&found, left, excess, start.thresholds);
+        let (decision, given_up) = match without_open(&bench, &found, &decision, left(0)) {
+            Some((settled, sentence)) => (settled, Some(sentence)),
+            None => (decision, None),
+        };
         Ok(Searched {
             decision,
+            given_up,
             found,
             start,
         })
@@ -332,6 +341,7 @@ impl<'a> Searched<'a> {
             start,
             mut found,
             decision,
+            given_up,
         } = self;
         let bench = start.bench();
         let ranked = most_probable(&bench, &found, &decision);
@@ -388,9 +398,13 @@ impl<'a> Searched<'a> {
                     .to_owned()
             }
             (_, Verdict::Unexplained) => {
-                "Repeat the experiment with the largest error. A misfit that returns at the same \
-             place comes from physics that the library lacks; one that does not is a disturbance."
-                    .to_owned()
+                let repeat = "Repeat the experiment with the largest error. A misfit that returns at the same \
+             place comes from physics that the library lacks; one that does not is a disturbance.";
+                match (given_up, imitation(&bench, &found.pool, found.best)) {
+                    (Some(sentence), _) => sentence,
+                    (None, Some(one)) => format!("{} {repeat}", one.sentence()),
+                    (None, None) => repeat.to_owned(),
+                }
             }
             _ => String::new(),
         };

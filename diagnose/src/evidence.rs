@@ -16,6 +16,7 @@ use plant::{Kind, period_s};
 use crate::applicable::applicable;
 use crate::bench::SearchBench;
 use crate::candidate::Candidate;
+use crate::physical::Unphysical;
 use crate::remainder::{noise, residual};
 
 /// The effective sample size of every series, in the order of [`Candidate::rmse`]: from the autocorrelation of
@@ -110,7 +111,44 @@ pub fn evidences(bench: &SearchBench, pool: &[Candidate]) -> Vec<f64> {
 }
 
 /// As [`evidences`]. Where `excused` returns errors for a candidate, they replace its own where they are smaller.
+///
+/// A candidate with a value that its cause cannot have has no evidence, however well it fits.
 pub fn evidences_beyond(
+    bench: &SearchBench,
+    pool: &[Candidate],
+    excused: &dyn Fn(&Candidate) -> Option<Vec<f64>>,
+) -> Vec<f64> {
+    let fits = fits_beyond(bench, pool, excused);
+    let candidates = pool.iter().zip(fits);
+    candidates
+        .map(|(candidate, fits)| {
+            if candidate.is_unphysical(bench.thresholds.unphysical) {
+                f64::NEG_INFINITY
+            } else {
+                fits
+            }
+        })
+        .collect()
+}
+
+/// The value that no cause can have in the candidate that would have been chosen without it: the evidence of its fit
+/// alone beats that of candidate `best` by more than a tie. `None` if there is no such candidate.
+pub fn imitation<'a>(
+    bench: &SearchBench,
+    pool: &'a [Candidate],
+    best: usize,
+) -> Option<&'a Unphysical> {
+    let sigmas = bench.thresholds.unphysical;
+    let fits = fits_beyond(bench, pool, &|_| None);
+    let without = (0..pool.len()).filter(|&index| pool[index].is_unphysical(sigmas));
+    let index = without.max_by(|&a, &b| fits[a].total_cmp(&fits[b]))?;
+    let beats = fits[index] - fits[best] > bench.thresholds.tie;
+    let mut values = pool[index].unphysical.iter();
+    values.find(|one| beats && one.sigmas() > sigmas)
+}
+
+/// How strongly the fits of all candidates speak for them, whatever values they have.
+fn fits_beyond(
     bench: &SearchBench,
     pool: &[Candidate],
     excused: &dyn Fn(&Candidate) -> Option<Vec<f64>>,

@@ -33,6 +33,7 @@ pub fn candidate(added: &[EffectId], cost: f64, remainder: f64) -> Candidate {
         }]],
         remainders: vec![vec![remainder]],
         windowed: None,
+        unphysical: vec![],
     }
 }
 

@@ -7,6 +7,7 @@
 //! | `thresholds` | the numbers that decide verdicts, and where each comes from |
 //! | `economy` | the numbers that only save time |
 //! | `remainder` | the structured residual of every series, in units of the series' noise |
+//! | `physical` | fitted values that the cause of an effect cannot have |
 //! | `candidate` | a model that was tried: plain data |
 //! | `remains` | how large the residual is: against the noise, against the signal, and as a torque |
 //! | `imperfection` | the misfit that the smoothed sign of dry friction alone leaves |
@@ -24,6 +25,7 @@
 //! | `path` | the way to the chosen candidate, one effect a step |
 //! | `verdict` | the possible verdicts, and their wording |
 //! | `decision` | which effects are certain, which are provisional, and which verdict follows |
+//! | `open` | an explanation beside which the logs leave an inertia open |
 //! | `steps` | the steps from the diagnosed model to the final one |
 //! | `ranking` | the effects that could be missing, by probability |
 //! | `genuine` | the probability that a library effect is real beside an unknown one |
@@ -44,7 +46,9 @@ mod genuine;
 mod hand_made;
 mod imperfection;
 mod next_experiment;
+mod open;
 mod path;
+mod physical;
 mod pool;
 mod ranking;
 mod remainder;
@@ -68,6 +72,7 @@ pub use candidate::{Candidate, names};
 pub use diagnosis::{Options, diagnose_with, suspects_of};
 pub use imperfection::{Imperfection, Imperfections, imperfection};
 pub use next_experiment::{Explanation, NextExperiment, Recipe, propose, tell_apart};
+pub use physical::Unphysical;
 pub use pool::Search;
 pub use remains::{RemainingTorque, Remains, SeriesDiscrepancy};
 pub use report::{Diagnosis, Step, Suspect};

@@ -165,7 +165,24 @@ pub fn try_all(
         !(is_refinement && is_fitted(starts))
     });
     let best_gain = screened.first().map_or(0.0, |(gain, _)| *gain);
+    // A refinement whose simpler effect promises nothing by itself has no fit to start from: in a single spin-up, the
+    // constant part of a friction is the same as a larger inertia, and only its fall while the wheel starts is seen.
+    let promises = |name: &&str| {
+        gains
+            .iter()
+            .any(|(effect, gain)| effect.name() == *name && *gain > bench.least_gain)
+    };
+    let (refinements, by_themselves): (Vec<EffectId>, Vec<EffectId>) = refinements
+        .into_iter()
+        .filter(|&effect| !fitted(effect))
+        .partition(|effect| effect.info().replaces.iter().any(|name| promises(&name)));
     let mut chosen = screened;
+    chosen.extend(parallel_map(&by_themselves, |&effect| {
+        let starts = starts(bench, &from.minimum, point, known, effect);
+        let promised = starts.iter().map(|start| start.promised_cost);
+        (point.cost - promised.fold(f64::INFINITY, f64::min), starts)
+    }));
+    chosen.sort_by(|a, b| b.0.total_cmp(&a.0));
     chosen.retain(|(gain, _)| *gain > bench.least_gain.max(LEAST_SHARE * best_gain));
     chosen.truncate(round.most.min(MOST_FITS));
     chosen.retain(|(_, starts)| !is_fitted(starts));
@@ -178,10 +195,6 @@ pub fn try_all(
     let chosen = chosen.into_iter().map(|(_, starts)| starts).collect();
     let least_gain =
         |effect: EffectId| bench.least_gain.max(thresholds.least_part * missed(effect));
-    let refinements: Vec<EffectId> = refinements
-        .into_iter()
-        .filter(|&effect| !fitted(effect))
-        .collect();
     let roughs = fit_all_roughly(bench, from, chosen, &refinements, &least_gain, goal)?;
     fit_all_wholly(bench, from, roughs, goal)
 }

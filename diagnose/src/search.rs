@@ -182,7 +182,7 @@ pub fn search(
         // A candidate that is better by less than a tie stays in the beam while a plain remainder is left: two effects
         // together can explain what neither explains alone.
         beam = newest.clone();
-        beam.retain(|&index| !takes_up(index));
+        beam.retain(|&index| !takes_up(index) && evidence[index] > f64::NEG_INFINITY);
         beam.sort_by(|&a, &b| evidence[b].total_cmp(&evidence[a]));
         beam.truncate(BEAM);
     }

@@ -86,6 +86,9 @@ thresholds! {
     /// A fault of the gyroscope is plain if the comparison with the angle shows it at more than this many
     /// standard errors. Of a Gaussian error, 99.7 % lies within three.
     plain_fault = 3.0,
+    /// A fitted value that lies outside the range of its cause (`EffectInfo::physical`) by more than this many standard
+    /// errors is no measurement of that cause. Of a Gaussian error, 99.7 % lies within three.
+    unphysical = 3.0,
     /// Two experiments, or a measured and a stated value, that differ by more than this many standard errors
     /// prevent the verdict "explained". The test of contradictions itself reports from its 1e-3 point on. Here ten is
     /// asked because a standard error covers the noise and its correlation, but not the errors of an

@@ -34,8 +34,8 @@ mod truth;
 pub use answer::{Answer, UnknownEffect};
 pub use bench_plan::{ChannelNoise, DriveProgram, ExamLog, ExperimentPlan, record};
 pub use draw::{
-    ExamBench, LEFT_BY_SUSPECTS, Question, ROUND, SENSOR_SEEDS, SIZES, draw, draw_stated, effects,
-    effects_of, question,
+    ExamBench, LEFT_BY_SUSPECTS, Question, ROUND, SENSOR_SEEDS, SIZES, WHEEL_SEEDS, draw,
+    draw_stated, effects, effects_of, question,
 };
 pub use marking::{Interval, Mark, MarkError, PLAIN, Paper, mark};
 pub use marks::{Entry, Marks, Rate, ReliabilityShare};

@@ -83,8 +83,7 @@ pub fn refuse_failed(problem: &FitProblem, fit: &Fit) -> Result<(), IdentifyErro
     if !series.is_empty() {
         return Err(IdentifyError::NoBetterThanMeans { series });
     }
-    let mut inertias = [TOTAL_INERTIA, WHEEL_INERTIA].into_iter();
-    if let Some(error) = inertias.find_map(|position| open(fit, position)) {
+    if let Some(error) = open_inertia(fit) {
         return Err(error);
     }
     if *model == Model::base()
@@ -98,6 +97,12 @@ pub fn refuse_failed(problem: &FitProblem, fit: &Fit) -> Result<(), IdentifyErro
         });
     }
     Ok(())
+}
+
+/// The error of a fit that leaves an inertia open: its standard error is as large as its value, or it lies on a bound.
+pub fn open_inertia(fit: &Fit) -> Option<IdentifyError> {
+    let mut inertias = [TOTAL_INERTIA, WHEEL_INERTIA].into_iter();
+    inertias.find_map(|position| open(fit, position))
 }
 
 /// The error of a fit in which the parameter at this position is fitted and not determined: it lies on a bound of its

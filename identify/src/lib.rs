@@ -48,7 +48,8 @@ pub use fit::{
     normal_observed, ratios, refit, relevant, score_test, settled, simulate, traces,
 };
 pub use identification::{
-    Identification, describe, fit_until, identify, identify_until, refuse_failed, with_curves,
+    Identification, describe, fit_until, identify, identify_until, open_inertia, refuse_failed,
+    with_curves,
 };
 pub use learned::{CurvePoint, MissingCurve, best_missing_curve, missing_curve};
 pub use model_free::{

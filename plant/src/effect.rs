@@ -7,6 +7,7 @@
 
 use crate::hiding::Hiding;
 use crate::learned_curve::LearnedCurve;
+use crate::physical::PhysicalRange;
 use crate::prior::{Commonness, Prior};
 use crate::{Kind, Output, Reading, Scalar};
 
@@ -206,6 +207,8 @@ pub struct EffectInfo {
     pub role: Role,
     /// Its parameters. [`crate::Model`] assigns their positions in a parameter vector.
     pub parameters: &'static [ParameterInfo],
+    /// The ranges of those parameters that the cause of the effect bounds, with the reasons.
+    pub physical: &'static [PhysicalRange],
     /// Parameter values from which a fit may start. The first entries of each set are amplitudes that make the
     /// effect small. The others are shapes (speeds, orders, lengths); there are several sets if a shape
     /// enters nonlinearly.
@@ -288,6 +291,7 @@ impl EffectInfo {
         },
         role: Role::Body,
         parameters: &[],
+        physical: &[],
         starts: &[],
         absent: None,
         replaces: &[],

@@ -3,6 +3,7 @@
 
 use crate::effect::{EffectInfo, ParameterInfo, Role, Timing};
 use crate::hiding::Hiding;
+use crate::physical::PhysicalRange;
 
 /// A sensor whose reading at time t is the measured quantity at t − δ.
 pub(crate) const DELAYED: EffectInfo = EffectInfo {
@@ -18,6 +19,13 @@ pub(crate) const LAGGING: EffectInfo = EffectInfo {
 
 const LATE: EffectInfo = EffectInfo {
     role: Role::Sensor,
+    // A slow tachometer averages over a turn or over a frame of its bus, a camera needs a few frames.
+    physical: &[PhysicalRange {
+        parameter: 0,
+        over: None,
+        range: (0.0, 0.5),
+        reason: "no sensor with which a bench is logged shows the motion half a second late",
+    }],
     starts: &[&[0.0]],
     absent: Some(&[0.0]),
     drawn_since: 1,

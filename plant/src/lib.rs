@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `scalar` | numbers with and without derivatives |
 //! | `effect` | the definition of an effect |
+//! | `physical` | the values that the cause of an effect can have |
 //! | `hiding` | how the exam hides an effect |
 //! | `hidden` | the parameters of an effect that the exam hides in a given bench |
 //! | `external` | effects that are defined while the program runs |
@@ -36,6 +37,7 @@ mod learned_curve;
 mod linear;
 mod model;
 mod per_log;
+mod physical;
 mod plant;
 mod prior;
 mod reading;
@@ -57,6 +59,7 @@ pub use model::{
     BASE_PARAMETERS, GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA, period_s,
 };
 pub use per_log::PerLog;
+pub use physical::PhysicalRange;
 pub use plant::{Current, Drive, Late, Plant, State};
 pub use prior::{Commonness, Prior};
 pub use reading::{Output, Reading};

@@ -1,7 +1,7 @@
 //! The draw: the bench that belongs to a seed.
 //!
-//! Seeds below a million hide the effects of the exam's first list. Higher seeds hide those of both lists; the second
-//! list added the lags and delays of sensors, among others. The suspects are the same for all seeds. Below a million,
+//! Seeds below a million hide the effects of the exam's first list. Higher seeds also hide those of a second list
+//! (the lags and delays of sensors, among others), and from two million on those of a third. The suspects are the same for all seeds. Below a million,
 //! forty seeds are a round. In every round each effect of the list is hidden once alone and once in one of nine pairs,
 //! each of the eight outsiders is hidden once, one effect is hidden and removed from the suspects, and four benches
 //! hide nothing. Everything else (parameters, experiments, noise, sizes, shapes) is drawn from the seed alone, and
@@ -33,7 +33,7 @@ use plant::{EffectId, Output, Role};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-pub use question::{Question, ROUND, SENSOR_SEEDS, effects, effects_of, question};
+pub use question::{Question, ROUND, SENSOR_SEEDS, WHEEL_SEEDS, effects, effects_of, question};
 
 use self::combinations::left_by_combinations;
 use self::dice::log_uniform;

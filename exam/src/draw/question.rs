@@ -11,6 +11,8 @@ pub const ROUND: u64 = 40;
 /// From this seed on, the effects of the second list are hidden, too (lags and delays of sensors, among others). A
 /// lower seed hides what it has always hidden, so that marks of different years can be compared.
 pub const SENSOR_SEEDS: u64 = 1_000_000;
+/// From this seed on, the effects of the third list, too (Stribeck friction of the wheel).
+pub const WHEEL_SEEDS: u64 = 2_000_000;
 
 /// The question that a bench asks.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -63,9 +65,9 @@ pub fn effects() -> Vec<EffectId> {
         .collect()
 }
 
-/// The effects that may be hidden in the bench of this seed: those of the first list, or of both lists.
+/// The effects that may be hidden in the bench of this seed: those of the first list, of two, or of all three.
 pub fn effects_of(seed: u64) -> Vec<EffectId> {
-    let since = u32::from(seed >= SENSOR_SEEDS);
+    let since = u32::from(seed >= SENSOR_SEEDS) + u32::from(seed >= WHEEL_SEEDS);
     let mut effects = effects();
     effects.retain(|effect| effect.info().drawn_since <= since);
     effects

@@ -69,9 +69,12 @@ impl TrueMotion {
         level
     }
 
-    pub(super) fn wheel_dry(&self) -> f64 {
-        self.library(EffectId::WheelCoulombFriction)
-            .map_or(0.0, |p| p[0])
+    pub(super) fn wheel_dry(&self, speed: f64) -> f64 {
+        let coulomb = self.library(EffectId::WheelCoulombFriction);
+        let level = coulomb.map_or(0.0, |p| p[0]);
+        let stribeck = self.library(EffectId::WheelStribeckFriction);
+        let falls = |p: &[f64]| p[0] + (p[1] - p[0]) * (-(speed / p[2]).powi(2)).exp();
+        level + stribeck.map_or(0.0, falls)
     }
 
     /// The torques without dry friction: the motor's torque, and the torques against body and wheel.
@@ -169,7 +172,7 @@ impl TrueMotion {
         let [total, wheel_inertia, _, _] = self.truth.base;
         let slides = |direction: Direction, level: f64| direction * level;
         let body_friction = slides(self.body, self.body_dry(time_s, y[0], y[1]));
-        let wheel_friction = slides(self.wheel, self.wheel_dry());
+        let wheel_friction = slides(self.wheel, self.wheel_dry(y[3]));
         match self.kind {
             Kind::FreeSwing => (-at.body, 0.0),
             Kind::SpinUp => (0.0, at.motor - at.wheel),
@@ -214,6 +217,7 @@ impl TrueMotion {
 
     pub(super) fn has_wheel_dry(&self) -> bool {
         self.library(EffectId::WheelCoulombFriction).is_some()
+            || self.library(EffectId::WheelStribeckFriction).is_some()
     }
 
     pub(super) fn rates(
@@ -229,7 +233,7 @@ impl TrueMotion {
         let side = |p: &[f64]| p[0] * p[2] * (y[2] + p[1]).cos();
         let coupling = self.library(EffectId::WheelUnbalance).map_or(0.0, side);
         let body_friction = self.body * self.body_dry(time_s, y[0], y[1]);
-        let wheel_friction = self.wheel * self.wheel_dry();
+        let wheel_friction = self.wheel * self.wheel_dry(y[3]);
         let body = at.body + body_friction;
         let wheel = at.motor - at.wheel - wheel_friction;
         let (rate_dot, speed_dot) = match self.kind {

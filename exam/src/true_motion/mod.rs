@@ -157,7 +157,7 @@ impl TrueMotion {
         if self.has_wheel_dry() && self.motion[3] == 0.0 && self.kind != Kind::FreeSwing {
             self.wheel = 0.0;
             let (_, wheel) = self.drive(self.time_s, &self.motion, push);
-            if wheel.abs() > self.wheel_dry() {
+            if wheel.abs() > self.wheel_dry(0.0) {
                 self.wheel = wheel.signum();
             }
         }

@@ -3,6 +3,7 @@
 use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, ParameterInfo, Role};
 use crate::hiding::Hiding;
+use crate::physical::PhysicalRange;
 use crate::{Kind, Output, Reading, Scalar};
 
 /// measured angle = α + e sin(α + ψ)
@@ -40,6 +41,12 @@ impl Effect for AngleEccentricity {
         }],
         // An amplitude of 1 mrad, which is usual for encoders, with three phases a third of a turn
         // apart.
+        physical: &[PhysicalRange {
+            parameter: 0,
+            over: None,
+            range: (0.0, 0.3),
+            reason: "it is the displacement of the axis in radii of the disc",
+        }],
         starts: &[&[1e-3, 0.0], &[1e-3, 2.1], &[1e-3, -2.1]],
         absent: Some(&[0.0, 0.0]),
         confused_with: &["angle-offset"],

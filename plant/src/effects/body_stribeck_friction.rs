@@ -4,6 +4,7 @@ use super::body_coulomb_friction::SLIDING_TORQUE;
 use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, Linearised, ParameterInfo, Role, Smoothing};
 use crate::hiding::Hiding;
+use crate::physical::HOLDS_AT_REST;
 use crate::{Kind, Scalar};
 
 /// (μ + (μ_s − μ) exp(−(α̇/v_s)²)) tanh(α̇/v₀)
@@ -40,6 +41,7 @@ impl Effect for BodyStribeckFriction {
             logarithmic: true,
             is_whole: false,
         }],
+        physical: &[HOLDS_AT_REST],
         starts: &[&[1e-4, 2e-4, 0.1], &[1e-4, 2e-4, 0.5], &[1e-4, 2e-4, 2.0]],
         absent: Some(&[0.0, 0.0, 0.1]),
         replaces: &["body-coulomb-friction"],

@@ -3,6 +3,7 @@
 use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, ParameterInfo, RateFault, Role};
 use crate::hiding::Hiding;
+use crate::physical::PhysicalRange;
 use crate::{Kind, Output, Reading, Scalar};
 
 /// measured rate = α̇ + b
@@ -27,6 +28,12 @@ impl Effect for GyroBias {
             is_torque: false,
             logarithmic: false,
             is_whole: false,
+        }],
+        physical: &[PhysicalRange {
+            parameter: 0,
+            over: None,
+            range: (-0.5, 0.5),
+            reason: "data sheets bound the zero-rate output by 20 deg/s, 0.35 rad/s",
         }],
         starts: &[&[0.0]],
         absent: Some(&[0.0]),

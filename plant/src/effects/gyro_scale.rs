@@ -3,6 +3,7 @@
 use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, ParameterInfo, RateFault, Role};
 use crate::hiding::Hiding;
+use crate::physical::PhysicalRange;
 use crate::{Kind, Output, Reading, Scalar};
 
 /// measured rate = (1 + s) α̇
@@ -27,6 +28,12 @@ impl Effect for GyroScale {
             is_torque: false,
             logarithmic: false,
             is_whole: false,
+        }],
+        physical: &[PhysicalRange {
+            parameter: 0,
+            over: None,
+            range: (-0.3, 0.3),
+            reason: "a gyroscope is within 10 % of its data sheet, and a range or unit that is set wrong is a factor of two or more",
         }],
         starts: &[&[0.0]],
         absent: Some(&[0.0]),

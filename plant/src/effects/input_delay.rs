@@ -3,6 +3,7 @@
 use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, ParameterInfo, Role, Timing};
 use crate::hiding::Hiding;
+use crate::physical::PhysicalRange;
 use crate::{Kind, Scalar};
 
 /// i(t) = u(t − δ)
@@ -27,6 +28,12 @@ impl Effect for InputDelay {
             is_torque: false,
             logarithmic: false,
             is_whole: false,
+        }],
+        physical: &[PhysicalRange {
+            parameter: 0,
+            over: None,
+            range: (0.0, 0.2),
+            reason: "it is a bus and one sample of the slowest loop, of 0.1 s",
         }],
         starts: &[&[1e-3], &[1e-2]],
         absent: Some(&[0.0]),

@@ -145,6 +145,7 @@ effects! {
     body_cable_spring::BodyCableSpring,
     body_softening_spring::BodySofteningSpring,
     wheel_coulomb_friction::WheelCoulombFriction,
+    wheel_stribeck_friction::WheelStribeckFriction,
     wheel_quadratic_drag::WheelQuadraticDrag,
     wheel_cogging::WheelCogging,
     wheel_unbalance::WheelUnbalance,

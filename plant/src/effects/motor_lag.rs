@@ -3,6 +3,7 @@
 use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, ParameterInfo, Role, Timing};
 use crate::hiding::Hiding;
+use crate::physical::PhysicalRange;
 use crate::{Kind, Scalar};
 
 /// T di/dt = u − i
@@ -27,6 +28,13 @@ impl Effect for MotorLag {
             is_torque: false,
             logarithmic: false,
             is_whole: false,
+        }],
+        physical: &[PhysicalRange {
+            parameter: 0,
+            over: None,
+            range: (0.0, 0.1),
+            reason: "L/R of a small motor is 0.1 to 5 ms, its current loop is faster, and 0.1 s leaves room for a drive that \
+             smooths its command",
         }],
         starts: &[&[1e-3], &[2e-2]],
         absent: Some(&[0.0]),

@@ -5,6 +5,18 @@ use crate::effect::{Effect, EffectInfo, Instant, ParameterInfo, Role, Smoothing}
 use crate::hiding::Hiding;
 use crate::{Kind, Scalar};
 
+/// μ_w, also of the larger effect that contains this one.
+pub(super) const SLIDING_TORQUE: ParameterInfo = ParameterInfo {
+    name: "wheel_coulomb_torque",
+    unit: "N m",
+    meaning: "sliding friction torque of the wheel",
+    plausible: (1e-5, 1e-2),
+    bounds: (0.0, f64::INFINITY),
+    is_torque: true,
+    logarithmic: false,
+    is_whole: false,
+};
+
 /// μ_w tanh(φ̇/v₀)
 #[derive(Clone, Copy, Debug)]
 pub struct WheelCoulombFriction;
@@ -18,19 +30,10 @@ impl Effect for WheelCoulombFriction {
         fingerprint: "a coasting wheel slows down along a straight line and stops; a reversed current gives the mirror image",
         prior: Prior { commonness: Commonness::Usual, reason: "every bearing and brush has it" },
         role: Role::Wheel,
-        parameters: &[ParameterInfo {
-            name: "wheel_coulomb_torque",
-            unit: "N m",
-            meaning: "sliding friction torque of the wheel",
-            plausible: (1e-5, 1e-2),
-            bounds: (0.0, f64::INFINITY),
-            is_torque: true,
-            logarithmic: false,
-            is_whole: false,
-        }],
+        parameters: &[SLIDING_TORQUE],
         starts: &[&[1e-4]],
         absent: Some(&[0.0]),
-        confused_with: &["current-offset", "motor-dead-zone"],
+        confused_with: &["current-offset", "motor-dead-zone", "wheel-stribeck-friction"],
         shows_in: &[Kind::SpinUp, Kind::Balance, Kind::Driven],
         has_kink: true,
         hiding: Some(Hiding { parameters: |s, bench| vec![bench.top_torque() * s], first_guess: 1e-2, beyond_plausible: false }),

@@ -42,15 +42,21 @@ const OF_THE_MODEL: [&str; 6] = [
 /// Names of the torques that make up the body's dry friction. The friction is never larger than the larger of the two.
 const ON_THE_BODY: [&str; 2] = ["body_coulomb_torque", "body_breakaway_torque"];
 
-/// Torques between body and wheel, which add up.
-const ON_THE_WHEEL: [&str; 2] = ["wheel_coulomb_torque", "cogging_torque"];
+/// Names of the torques between body and wheel: those that make up the dry friction, which is never larger than the
+/// larger of the two, and the cogging, which adds to it.
+const ON_THE_WHEEL: [&str; 3] = [
+    "wheel_coulomb_torque",
+    "wheel_breakaway_torque",
+    "cogging_torque",
+];
 
 /// Parameters that make the error of the current (A); the errors are added up.
 const OF_THE_CURRENT: [&str; 2] = ["dead_zone", "current_offset"];
 
 /// Parameters that change the shape of one of these torques, but not its size.
-const SHAPES: [&str; 4] = [
+const SHAPES: [&str; 5] = [
     "body_stribeck_speed",
+    "wheel_stribeck_speed",
     "body_presliding_stiffness",
     "cogging_order",
     "cogging_phase",
@@ -212,11 +218,12 @@ impl Loop {
         is_gravity_of_the_model(certificate, &gravity)?;
         check_back_emf(certificate).map_err(NoBounds::Unphysical)?;
         let body_dry = size(ON_THE_BODY[0]).max(size(ON_THE_BODY[1]));
+        let wheel_dry = size(ON_THE_WHEEL[0]).max(size(ON_THE_WHEEL[1])) + size(ON_THE_WHEEL[2]);
         let bench = Bench {
             gravity,
             a: braked(&a, &b, &back_emf(certificate)),
             dry: body_dry / &d,
-            wheel_dry: sum(&ON_THE_WHEEL),
+            wheel_dry,
             current_off: sum(&OF_THE_CURRENT),
             delay_off: delay_off(),
             directions: [
