@@ -87,6 +87,10 @@ mod tests {
             .with(EffectId::BodyCableSpring);
         assert!(completes_series(&half, EffectId::BodySofteningSpring));
         assert!(!completes_series(&half, EffectId::BodyQuadraticDrag));
+        // A zero of its own for each log is a constant, too.
+        let zero = EffectId::AngleZero;
+        let half = Model::base().with(zero).with(EffectId::BodyCableSpring);
+        assert!(completes_series(&half, EffectId::BodySofteningSpring));
         assert!(!completes_series(&Model::base(), EffectId::AngleOffset));
     }
 }

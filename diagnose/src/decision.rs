@@ -66,8 +66,13 @@ pub fn decide(
     let excess: Vec<f64> = (0..found.pool.len()).map(excess).collect();
     // What ties share is certain as far as it takes something away without the effects on which they disagree. Beside one
     // of those it may be needed (an eccentricity makes up for a spring), and without them its size is zero: it is then as
-    // provisional as they are.
-    let taken_by_itself = without_absorbers(found, shared, &excess, thresholds.least_gain);
+    // provisional as they are. So is what takes less than they do: its own size is that of a fit which lacks the larger
+    // cause, and the larger cause comes first.
+    let left_by_ties = found.ties.iter().map(|&tie| excess[tie]);
+    let left_by_ties = left_by_ties.fold(excess[shared], f64::min);
+    let disputed = excess[shared] - left_by_ties;
+    let taken_by_itself =
+        without_absorbers(found, shared, &excess, disputed.max(thresholds.least_gain));
     match (verdict, usual) {
         (Verdict::NothingMissing | Verdict::Explained, _) => settled(shared, findings.remainder),
         (Verdict::Ambiguous, Some(usual)) => Decision {
@@ -88,9 +93,7 @@ pub fn decide(
             }
             // What the ties share is a part of each of them. It is judged by what remains beside the whole of them, not
             // beside it alone: their further effects take more away, whichever of them is right.
-            let remains = found.ties.iter().map(|&tie| excess[tie]);
-            let remains = remains.fold(excess[shared], f64::min);
-            let certain = without_absorbers(found, shared, &excess, remains);
+            let certain = without_absorbers(found, shared, &excess, left_by_ties);
             settled(certain, left(certain))
         }
     }
@@ -121,14 +124,15 @@ fn log_odds(candidate: &Candidate, shared: &Model) -> f64 {
 #[cfg(test)]
 mod tests {
     use plant::EffectId::{
-        AngleEccentricity as Eccentricity, BodyCoulombFriction as Coulomb,
-        BodyPreslidingFriction as Presliding, BodyQuadraticDrag as Drag,
-        BodySofteningSpring as Softening, CurrentOffset as Offset,
+        AngleEccentricity as Eccentricity, AngleOffset as Zero, BodyCableSpring as Cable,
+        BodyCoulombFriction as Coulomb, BodyPreslidingFriction as Presliding,
+        BodyQuadraticDrag as Drag, BodySofteningSpring as Softening, CurrentOffset as Offset,
         WheelCoulombFriction as WheelCoulomb,
     };
 
     use super::*;
     use crate::hand_made::search;
+    use crate::path::path;
 
     fn of(found: &Search) -> Decision {
         let left = |index: usize| found.pool[index].largest_remainder();
@@ -207,6 +211,31 @@ mod tests {
         assert_eq!(decision.certain, 1);
         assert!(matches!(decision.provisional, Some(3 | 4)));
         assert_eq!(decision.ties, [3, 4]);
+    }
+
+    /// A pendulum on a string before a camera: drag is common to both explanations, and next to nothing beside the zero of
+    /// the angle, which a pull of the string may imitate.
+    #[test]
+    fn what_ties_share_comes_after_the_larger_cause_on_which_they_disagree() {
+        let found = search(
+            &[
+                (&[], 1000.0, 30.0, -90.0),
+                (&[Drag], 930.0, 29.0, -86.0),
+                (&[Zero], 70.0, 8.0, -30.0),
+                (&[Zero, Drag], 2.0, 0.5, 0.0),
+                (&[Cable, Drag], 2.0, 0.5, -0.5),
+            ],
+            3,
+            &[3, 4],
+        );
+        let decision = of(&found);
+        assert_eq!(decision.verdict, Verdict::Ambiguous);
+        assert_eq!((decision.certain, decision.provisional), (0, Some(3)));
+        let path: Vec<_> = path(&found, 3)
+            .into_iter()
+            .map(|(effect, _)| effect)
+            .collect();
+        assert_eq!(path, [None, Some(Zero), Some(Drag)]);
     }
 
     #[test]

@@ -38,7 +38,8 @@ pub const MOST_STARTS: usize = 2;
 /// Zero offset b of the angle, in rad, above which a fit that assumes no offset is useless as a starting point.
 /// At 0.1 rad, the first-order expansion of sin(α + b) in b is wrong by half a percent.
 pub const LARGE_ZERO_RAD: f64 = 0.1;
-/// A suspect is not fitted if its promised gain is less than this share of the best suspect's.
+/// A suspect is not fitted if its promised gain is less than this share of the best suspect's, and no other suspect
+/// refines it.
 pub const LEAST_SHARE: f64 = 0.1;
 /// Where one effect contains another, the simpler one is tried first if it promises at least this share of the
 /// larger one's gain.

@@ -23,7 +23,8 @@ pub fn without_open(
     let is_open = |index: usize| {
         let Candidate { model, minimum, .. } = &found.pool[index];
         let free = bench.problem.free(model);
-        open_inertia(&finish(&bench.records, model, &free, minimum.clone())).is_some()
+        let fit = finish(&bench.records, model, &free, minimum.clone());
+        open_inertia(bench.problem, &fit).is_some()
     };
     let last = decision.last();
     // Where the model leaves it open as it is, the fit itself has failed.

@@ -183,8 +183,20 @@ pub fn try_all(
         (point.cost - promised.fold(f64::INFINITY, f64::min), starts)
     }));
     chosen.sort_by(|a, b| b.0.total_cmp(&a.0));
-    chosen.retain(|(gain, _)| *gain > bench.least_gain.max(LEAST_SHARE * best_gain));
-    chosen.truncate(round.most.min(MOST_FITS));
+    // A suspect that promises little beside the best is fitted all the same if another one refines it, which has no score
+    // of its own here: presliding friction is a spring where the swing is small, which dry friction without it is not.
+    let is_refined = |starts: &[Start]| {
+        let name = starts.first().map(|start| start.effect.name());
+        let mut replaced = refinements.iter().flat_map(|one| one.info().replaces);
+        replaced.any(|replaced| Some(*replaced) == name)
+    };
+    let most = round.most.min(MOST_FITS);
+    let mut rank = 0;
+    chosen.retain(|(gain, starts)| {
+        rank += 1;
+        let is_promising = rank <= most && *gain > LEAST_SHARE * best_gain;
+        *gain > bench.least_gain && (is_promising || is_refined(starts))
+    });
     chosen.retain(|(_, starts)| !is_fitted(starts));
     // Simple effects come first: they are fitted fast, and a later suspect need not be fitted from a start that
     // promises no more than they have reached.

@@ -174,13 +174,14 @@ pub fn search(
                 refine(&bench, &mut pool, &mut best)?;
                 break;
             }
-        } else if evidence[top] <= evidence[best]
-            || pool[best].largest_remainder() <= thresholds.remains
+        } else if pool[best].largest_remainder() <= thresholds.remains
+            || (evidence[top] <= evidence[best] && depth > pool[best].added.len() + 1)
         {
             break;
         }
-        // A candidate that is better by less than a tie stays in the beam while a plain remainder is left: two effects
-        // together can explain what neither explains alone.
+        // While a plain remainder is left, the search goes on for one more effect, even from candidates that are no better
+        // than the best: two effects together can explain what neither explains alone. A log of a few periods has so few
+        // independent values that neither may outweigh its own parameters.
         beam = newest.clone();
         beam.retain(|&index| !takes_up(index) && evidence[index] > f64::NEG_INFINITY);
         beam.sort_by(|&a, &b| evidence[b].total_cmp(&evidence[a]));

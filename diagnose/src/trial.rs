@@ -270,9 +270,11 @@ pub fn fit_all_roughly(
         let Some(simpler) = refined(effect, &roughs, |rough| rough.minimum.cost) else {
             continue;
         };
-        // Two kinds of fit are not refined in this round: one that gains little beside the best, and one that leaves
-        // nothing but noise (it is refined after it has been chosen).
-        let is_slight = gain(simpler) < LEAST_SHARE * best_gain(&roughs);
+        // A fit that leaves nothing but noise is refined after it has been chosen. Once any fit leaves nothing but noise,
+        // one that gains little beside it is not refined at all. While something remains, it is: what a refinement adds
+        // may be the larger part.
+        let best = best_gain(&roughs);
+        let is_slight = gain(simpler) < LEAST_SHARE * best && is_noise(point.cost - best);
         if is_slight || is_noise(simpler.minimum.cost) {
             continue;
         }

@@ -1,10 +1,11 @@
 //! The identification: from a bench to a fitted model with all statements about it.
 
 use bench_files::numbers::number;
+use nalgebra::DVector;
 use parallel::{parallel_map, parallel_pair};
 use plant::{
-    BASE_PARAMETERS, EffectId, Instant, LearnedCoordinate, Model, Smoothing, TOTAL_INERTIA,
-    WHEEL_INERTIA,
+    BASE_PARAMETERS, EffectId, GRAVITY_TORQUE, Instant, LearnedCoordinate, Model, Smoothing,
+    TOTAL_INERTIA, WHEEL_INERTIA,
 };
 
 use crate::bench::{FitProblem, IdentifyError};
@@ -70,7 +71,7 @@ pub fn identify_until(
 /// Rejects a fit that has failed: one that predicts the logs no better than their means, or one that leaves an
 /// inertia open, because its standard error is as large, or because a few rows are fitted as well by another period.
 /// No motion can be computed without the inertias. An inertia that the logs do not show at all is not fitted and does
-/// not count.
+/// not count. Where the logs hide the wheel's inertia, the period of the body counts.
 ///
 /// # Errors
 /// [`IdentifyError::NoBetterThanMeans`], [`IdentifyError::InertiaOpen`].
@@ -83,7 +84,7 @@ pub fn refuse_failed(problem: &FitProblem, fit: &Fit) -> Result<(), IdentifyErro
     if !series.is_empty() {
         return Err(IdentifyError::NoBetterThanMeans { series });
     }
-    if let Some(error) = open_inertia(fit) {
+    if let Some(error) = open_inertia(&problem, fit) {
         return Err(error);
     }
     if *model == Model::base()
@@ -100,7 +101,11 @@ pub fn refuse_failed(problem: &FitProblem, fit: &Fit) -> Result<(), IdentifyErro
 }
 
 /// The error of a fit that leaves an inertia open: its standard error is as large as its value, or it lies on a bound.
-pub fn open_inertia(fit: &Fit) -> Option<IdentifyError> {
+/// Where the logs hide the wheel's inertia, the period of the body counts.
+pub fn open_inertia(problem: &FitProblem, fit: &Fit) -> Option<IdentifyError> {
+    if problem.hides_wheel_inertia() {
+        return has_open_period(fit).then(|| inertia_open(fit, TOTAL_INERTIA));
+    }
     let mut inertias = [TOTAL_INERTIA, WHEEL_INERTIA].into_iter();
     inertias.find_map(|position| open(fit, position))
 }
@@ -111,11 +116,36 @@ fn open(fit: &Fit, position: usize) -> Option<IdentifyError> {
     let index = fit.unknowns.free.iter().position(|&at| at == position)?;
     let (value, std) = (fit.values[position], fit.std(position));
     let is_open = std.is_some_and(|std| std >= OPEN_RELATIVE_STD * value.abs());
-    (fit.minimum.on_bound[index] || is_open).then_some(IdentifyError::InertiaOpen {
+    (fit.minimum.on_bound[index] || is_open).then(|| inertia_open(fit, position))
+}
+
+fn inertia_open(fit: &Fit, position: usize) -> IdentifyError {
+    IdentifyError::InertiaOpen {
         parameter: BASE_PARAMETERS[position].name,
-        value,
-        std,
-    })
+        value: fit.values[position],
+        std: fit.std(position),
+    }
+}
+
+/// Whether logs that hide the wheel's inertia leave even G/(Θ − j_w) open, the square of the frequency at which the body
+/// swings. They say next to nothing about the inertias themselves.
+fn has_open_period(fit: &Fit) -> bool {
+    let values = &fit.values;
+    let free_body = values[TOTAL_INERTIA] - values[WHEEL_INERTIA];
+    // The derivative of the logarithm of that ratio.
+    let slope = |position: usize| match position {
+        GRAVITY_TORQUE => 1.0 / values[position],
+        TOTAL_INERTIA => -1.0 / free_body,
+        WHEEL_INERTIA => 1.0 / free_body,
+        _ => 0.0,
+    };
+    let slopes = fit.unknowns.free.iter().map(|&position| slope(position));
+    let slopes = DVector::from_iterator(fit.unknowns.free.len(), slopes);
+    let variance = fit
+        .covariance
+        .as_ref()
+        .map(|of| slopes.dot(&(of * &slopes)));
+    variance.is_some_and(|variance| variance.sqrt() >= OPEN_RELATIVE_STD)
 }
 
 /// As [`identify_until`], for a model that need not follow the logs. A diagnosis begins with such a model: the effect

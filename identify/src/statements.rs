@@ -2,7 +2,7 @@
 //! one sentence each.
 
 use bench_files::numbers::{number, with_uncertainty};
-use plant::{BASE_PARAMETERS, Kind, TORQUE_CONSTANT, WHEEL_INERTIA};
+use plant::{BASE_PARAMETERS, Kind, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
 
 use crate::bench::FitProblem;
 use crate::errors::Fit;
@@ -112,6 +112,21 @@ pub(crate) fn statements(problem: &FitProblem, fit: &Fit) -> Vec<String> {
             continue;
         }
         let value = fit.values[position];
+        let is_open = fit
+            .std(position)
+            .is_none_or(|std| std >= OPEN_RELATIVE_STD * value.abs());
+        let is_inertia = [TOTAL_INERTIA, WHEEL_INERTIA].contains(&position);
+        if is_inertia && is_open && problem.hides_wheel_inertia() {
+            if position == WHEEL_INERTIA {
+                out.push(
+                    "no log shows how the wheel answers to a current, and its reaction on the body does not stand out: \
+                     wheel_inertia is not identified, torques on the wheel are known per unit of it only, and \
+                     total_inertia up to it; a log with the wheel's speed and a current would give it"
+                        .to_owned(),
+                );
+            }
+            continue;
+        }
         if fit.minimum.on_bound[index] {
             out.push(format!(
                 "{} lies on the bound {} of its possible range, and the logs would fit better beyond it: the model \

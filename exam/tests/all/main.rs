@@ -1,5 +1,6 @@
 //! Tests of the exam, and of the diagnosis with the exam's benches.
 
+mod awkward_logs;
 mod cancelled;
 mod clock;
 mod cogging;

@@ -278,4 +278,14 @@ impl FitProblem {
         });
         (body, wheel)
     }
+
+    /// Whether no log of a moving body shows how a wheel answers to a current: the wheel is only dragged, or its speed was
+    /// not measured. Its inertia then shows only by the little torque with which its friction moves the body.
+    pub fn hides_wheel_inertia(&self) -> bool {
+        let answers = |record: &Record| {
+            let flows = |current: &f64| *current != 0.0;
+            record.channel(Output::WheelSpeed).is_some() && record.current_a.iter().any(flows)
+        };
+        self.coupled && !self.records.iter().any(answers)
+    }
 }

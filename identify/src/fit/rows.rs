@@ -34,10 +34,11 @@ impl Rows {
         }
         let mut matrix = DMatrix::from_row_slice(self.right.len(), self.columns, &self.left);
         // Columns are scaled, so that the pseudo-inverse drops directions that are negligible and not those that are
-        // small only because of their unit.
+        // small only because of their unit. A column of zeros (no current flowed) decides nothing: its unknown is zero.
         let scale: Vec<f64> = matrix
             .column_iter()
-            .map(|column| column.norm().max(1e-300))
+            .map(|column| Some(column.norm()).filter(|norm| *norm > 0.0))
+            .map(|norm| norm.unwrap_or(f64::INFINITY))
             .collect();
         for (column, scale) in scale.iter().enumerate() {
             matrix.column_mut(column).unscale_mut(*scale);

@@ -110,6 +110,9 @@ pub fn ratios(records: &[&Record]) -> Ratios {
     ratios
 }
 
+/// j_w/Θ where nothing shows it: about that of the thesis' bench.
+const WHEEL_SHARE: f64 = 0.05;
+
 /// Fills in the base parameters (positions 0 to 3) that are not known, and returns them with r_b and r_w. A parameter
 /// about which the samples say nothing gets a harmless placeholder.
 pub fn base_values(ratios: &Ratios, known: &[Option<f64>; 4]) -> ([f64; 4], f64, f64) {
@@ -118,8 +121,14 @@ pub fn base_values(ratios: &Ratios, known: &[Option<f64>; 4]) -> ([f64; 4], f64,
     let mut gravity = known[GRAVITY_TORQUE];
     let mut torque = known[TORQUE_CONSTANT];
     let r = ratios;
-    // One rule can make another applicable. Four rounds are enough for all of them.
-    for _ in 0..4 {
+    // One rule can make another applicable. Four rounds are enough for all of them. A wheel that is only dragged by the body
+    // hardly shows its inertia; a usual share then lets the other rules go on.
+    for round in 0..8 {
+        if round == 4 {
+            let free_body = gravity.zip(r.gravity_over_free).map(|(g, a)| g / a);
+            let share = total.or(free_body.map(|free| free / (1.0 - WHEEL_SHARE)));
+            wheel = wheel.or(share.map(|total| WHEEL_SHARE * total));
+        }
         if let (None, Some(g), Some(a)) = (total, gravity, r.gravity_over_total) {
             total = Some(g / a);
         }
@@ -162,10 +171,10 @@ pub fn base_values(ratios: &Ratios, known: &[Option<f64>; 4]) -> ([f64; 4], f64,
             torque = Some(c * (t - j));
         }
     }
-    let total = total.or(wheel.map(|j| 20.0 * j)).unwrap_or(1.0);
+    let total = total.or(wheel.map(|j| j / WHEEL_SHARE)).unwrap_or(1.0);
     // A guess must satisfy Θ > j_w. A given value (also the 1 for an unknown scale) is kept.
-    let wheel =
-        known[WHEEL_INERTIA].unwrap_or_else(|| wheel.unwrap_or(0.05 * total).min(0.9 * total));
+    let wheel = known[WHEEL_INERTIA]
+        .unwrap_or_else(|| wheel.unwrap_or(WHEEL_SHARE * total).min(0.9 * total));
     let gravity = gravity.unwrap_or(100.0 * total);
     let torque = torque.unwrap_or(100.0 * wheel);
     // Noise can make the estimated friction negative; the fit needs a start inside its bounds.

@@ -30,6 +30,7 @@ impl Effect for AngleZero {
         starts: &[&[0.0]],
         absent: Some(&[0.0]),
         replaces: &["angle-offset"],
+        angle_power: Some(0),
         shows_in: &[Kind::FreeSwing, Kind::Balance, Kind::Driven],
         senses: Some(Output::Angle),
         per_log: Some("angle_offset"),
