@@ -5,7 +5,8 @@
 //! (multiple shooting; Bock 1983), whose cost is nearly quadratic. It then lengthens the windows
 //! until one window spans the log.
 
-use plant::{EffectId, Kind, Model, Timing, period_s};
+use parallel::parallel_map;
+use plant::{EffectId, Kind, Model, Timing, WHEEL_INERTIA, period_s};
 
 use super::cogging::settled;
 use super::effort::{Effort, Outcome};
@@ -19,6 +20,29 @@ use crate::records::{BALANCE_WINDOW_S, Record, RecordedCurrent};
 const WINDOW_GROWTH: f64 = 4.0;
 /// Periods in the first windows.
 const FIRST_PERIODS: f64 = 2.0;
+
+/// A spin-up of more samples than twice this is thinned until the last stage. It is linear, so that it needs no stages;
+/// until then it only keeps the parameters that it shares with other logs.
+const EARLY_SAMPLES: usize = 2_000;
+/// Longest time between the samples of a thinned spin-up, as a share of the time in which its friction stops the wheel.
+const EARLY_SHARE: f64 = 0.1;
+
+/// A spin-up with fewer samples, for the stages before the last one of a fit of the base model; `None` if it has few
+/// samples already.
+fn early(record: &Record, model: &Model, values: &[f64]) -> Option<Record> {
+    let n = record.len();
+    let is_linear =
+        record.kind == Kind::SpinUp && record.window_s.is_infinite() && *model == Model::base();
+    if !is_linear || n < 2 * EARLY_SAMPLES {
+        return None;
+    }
+    let friction = model.position_of("wheel_viscous_friction")?;
+    let stops_s = values[WHEEL_INERTIA] / values[friction].abs();
+    let interval_s = (record.time_s[n - 1] - record.time_s[0]) / (n - 1) as f64;
+    let longest = (EARLY_SHARE * stops_s / interval_s) as usize;
+    let step = (n / EARLY_SAMPLES).min(longest);
+    (step > 1).then(|| record.thinned(step))
+}
 
 /// How the windows grow.
 struct Growth {
@@ -65,18 +89,19 @@ pub fn fit_from_scratch(
     free: &[usize],
     effort: Effort,
 ) -> Minimum {
-    let mut nothing = |_: &Minimum| {};
+    let mut nothing = |_: &[&Record], _: &Minimum| {};
     fit_in_stages(records, model, values, free, effort, &mut nothing)
 }
 
-/// As [`fit_from_scratch`]. `first` receives the minimum over the first windows, whose cost is nearly quadratic.
+/// As [`fit_from_scratch`]. `first` receives the minimum over the first windows, whose cost is nearly quadratic, with
+/// the records that it belongs to.
 pub(crate) fn fit_in_stages(
     records: &[&Record],
     model: &Model,
     values: Vec<f64>,
     free: &[usize],
     effort: Effort,
-    first: &mut dyn FnMut(&Minimum),
+    first: &mut dyn FnMut(&[&Record], &Minimum),
 ) -> Minimum {
     let unknowns = Unknowns::new(model, free);
     let growth = Growth::for_model(model, &values);
@@ -94,13 +119,23 @@ pub(crate) fn fit_in_stages(
         })
         .fold(0.0, f64::max);
     let mut window_s = growth.first_s;
+    let thinned: Vec<Option<Record>> = if window_s >= longest_s {
+        vec![None; records.len()]
+    } else {
+        parallel_map(records, |record| early(record, model, &values))
+    };
     let mut values = values;
     let mut current: Vec<Vec<Window>> = vec![vec![]; records.len()];
     let mut is_first = true;
     loop {
         let last = window_s >= longest_s;
         let length_s = if last { f64::INFINITY } else { window_s };
-        current = records
+        let in_stage: Vec<&Record> = records
+            .iter()
+            .zip(&thinned)
+            .map(|(&record, thinned)| thinned.as_ref().filter(|_| !last).unwrap_or(record))
+            .collect();
+        current = in_stage
             .iter()
             .zip(&current)
             .map(|(record, before)| match record.kind {
@@ -115,9 +150,9 @@ pub(crate) fn fit_in_stages(
         } else {
             Effort::ROUGH.until(effort.cancelled)
         };
-        let minimum = minimise(records, model, values, current, &unknowns, stage);
+        let minimum = minimise(&in_stage, model, values, current, &unknowns, stage);
         if is_first {
-            first(&minimum);
+            first(&in_stage, &minimum);
             is_first = false;
         }
         if last {
