@@ -17,9 +17,11 @@
 //! | `means` | whether a fit is better than predicting the mean of every series |
 //! | `cogging` | starts for a fit of cogging |
 //! | `schedule` | the growing windows of a fit that starts from scratch |
+//! | `early` | fewer samples of dense logs until the last of them |
 
 mod cogging;
 mod comparison;
+mod early;
 mod effort;
 mod integrated;
 mod means;

@@ -6,9 +6,10 @@
 //! until one window spans the log.
 
 use parallel::parallel_map;
-use plant::{EffectId, Kind, Model, Timing, WHEEL_INERTIA, period_s};
+use plant::{EffectId, Kind, Model, Timing, period_s};
 
 use super::cogging::settled;
+use super::early::Early;
 use super::effort::{Effort, Outcome};
 use super::score_test::score_test;
 use super::solver::{Minimum, minimise};
@@ -20,29 +21,6 @@ use crate::records::{BALANCE_WINDOW_S, Record, RecordedCurrent};
 const WINDOW_GROWTH: f64 = 4.0;
 /// Periods in the first windows.
 const FIRST_PERIODS: f64 = 2.0;
-
-/// A spin-up of more samples than twice this is thinned until the last stage. It is linear, so that it needs no stages;
-/// until then it only keeps the parameters that it shares with other logs.
-const EARLY_SAMPLES: usize = 2_000;
-/// Longest time between the samples of a thinned spin-up, as a share of the time in which its friction stops the wheel.
-const EARLY_SHARE: f64 = 0.1;
-
-/// A spin-up with fewer samples, for the stages before the last one of a fit of the base model; `None` if it has few
-/// samples already.
-fn early(record: &Record, model: &Model, values: &[f64]) -> Option<Record> {
-    let n = record.len();
-    let is_linear =
-        record.kind == Kind::SpinUp && record.window_s.is_infinite() && *model == Model::base();
-    if !is_linear || n < 2 * EARLY_SAMPLES {
-        return None;
-    }
-    let friction = model.position_of("wheel_viscous_friction")?;
-    let stops_s = values[WHEEL_INERTIA] / values[friction].abs();
-    let interval_s = (record.time_s[n - 1] - record.time_s[0]) / (n - 1) as f64;
-    let longest = (EARLY_SHARE * stops_s / interval_s) as usize;
-    let step = (n / EARLY_SAMPLES).min(longest);
-    (step > 1).then(|| record.thinned(step))
-}
 
 /// How the windows grow.
 struct Growth {
@@ -119,21 +97,24 @@ pub(crate) fn fit_in_stages(
         })
         .fold(0.0, f64::max);
     let mut window_s = growth.first_s;
-    let thinned: Vec<Option<Record>> = if window_s >= longest_s {
-        vec![None; records.len()]
-    } else {
-        parallel_map(records, |record| early(record, model, &values))
-    };
+    let early: Vec<Option<Early>> =
+        parallel_map(records, |record| Early::of(record, model, &values));
+    // Where a log is dense, all stages come before the last one.
+    let mut is_early = early.iter().any(Option::is_some);
     let mut values = values;
     let mut current: Vec<Vec<Window>> = vec![vec![]; records.len()];
     let mut is_first = true;
     loop {
-        let last = window_s >= longest_s;
-        let length_s = if last { f64::INFINITY } else { window_s };
+        let is_longest = window_s >= longest_s;
+        let last = is_longest && !is_early;
+        let length_s = if is_longest { f64::INFINITY } else { window_s };
         let in_stage: Vec<&Record> = records
             .iter()
-            .zip(&thinned)
-            .map(|(&record, thinned)| thinned.as_ref().filter(|_| !last).unwrap_or(record))
+            .zip(&early)
+            .map(|(&record, early)| match early {
+                Some(early) if is_early => &early.record,
+                _ => record,
+            })
             .collect();
         current = in_stage
             .iter()
@@ -163,7 +144,19 @@ pub(crate) fn fit_in_stages(
         }
         values = minimum.values;
         current = minimum.windows;
-        window_s *= growth.factor;
+        if is_longest {
+            current = current
+                .into_iter()
+                .zip(records.iter().zip(&early))
+                .map(|(windows, (record, early))| match early {
+                    Some(early) => early.whole(windows, record.len()),
+                    None => windows,
+                })
+                .collect();
+            is_early = false;
+        } else {
+            window_s *= growth.factor;
+        }
     }
 }
 
