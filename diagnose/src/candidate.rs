@@ -1,10 +1,11 @@
 //! A candidate: a model that was tried, with its added effects, its fit and its residuals. Plain data.
 
-use identify::{FitProblem, Minimum, PredictedSeries, Record, traces};
+use identify::{FitProblem, Minimum, PredictedSeries, Record, traces_that_count};
+use parallel::parallel_map;
 use plant::{EffectId, Model};
 
 use crate::physical::{Unphysical, unphysical};
-use crate::remainder::remainders;
+use crate::remainder::remainders_of;
 
 /// A fitted model with its residuals.
 #[derive(Clone, Debug)]
@@ -15,7 +16,8 @@ pub struct Candidate {
     pub model: Model,
     /// Its fit to all records.
     pub minimum: Minimum,
-    /// For every record and channel: the predicted series, compared with the measurement.
+    /// For every record and channel: the predicted series, compared with the measurement; NaN in windows of which
+    /// nothing counts.
     pub traces: Vec<Vec<PredictedSeries>>,
     /// For every record and channel: the structured remainder in units of noise (0 where not significant).
     pub remainders: Vec<Vec<f64>>,
@@ -39,11 +41,11 @@ impl Candidate {
         minimum: Minimum,
         windowed: Option<Minimum>,
     ) -> Candidate {
-        let traces: Vec<Vec<PredictedSeries>> = records
-            .iter()
-            .zip(&minimum.windows)
-            .map(|(record, windows)| traces(record, windows, &model, &minimum.values))
-            .collect();
+        let of_records = parallel_map(records.iter().zip(&minimum.windows), |(record, windows)| {
+            let traces = traces_that_count(record, windows, &model, &minimum.values);
+            (remainders_of(record, &traces), traces)
+        });
+        let (remainders, traces) = of_records.into_iter().unzip();
         let parameters = problem
             .free(&model)
             .len()
@@ -53,7 +55,7 @@ impl Candidate {
             added,
             model,
             minimum,
-            remainders: remainders(records, &traces),
+            remainders,
             traces,
             windowed,
             parameters,

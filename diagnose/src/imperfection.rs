@@ -8,7 +8,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use identify::{Effort, FitProblem, PredictedSeries, Record, refit, stuck, traces};
+use identify::{Effort, FitProblem, PredictedSeries, Record, refit, stuck, traces_that_count};
 
 use plant::EffectId;
 
@@ -118,7 +118,7 @@ pub fn imperfection(
     for (index, (sticking, windows)) in sticking.iter().zip(&again.windows).enumerate() {
         let record = records[index];
         let mut remainders = vec![];
-        let fitted = traces(sticking, windows, model, &again.values);
+        let fitted = traces_that_count(sticking, windows, model, &again.values);
         for (channel, fitted) in fitted.iter().enumerate() {
             let sticks = &sticking.channels[channel];
             let left = residual(&sticks.samples, &fitted.predicted);

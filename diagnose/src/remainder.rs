@@ -34,16 +34,10 @@ pub fn remainder(channel: &RecordedChannel, predicted: &[f64], weight: &[f64]) -
     }
 }
 
-/// As [`remainder`], for every record and channel.
-pub fn remainders(records: &[&Record], traces: &[Vec<PredictedSeries>]) -> Vec<Vec<f64>> {
-    records
-        .iter()
-        .zip(traces)
-        .map(|(record, traces)| {
-            let channels = record.channels.iter().zip(traces);
-            channels
-                .map(|(channel, trace)| remainder(channel, &trace.predicted, &record.weight))
-                .collect()
-        })
+/// As [`remainder`], for every channel of a record.
+pub fn remainders_of(record: &Record, traces: &[PredictedSeries]) -> Vec<f64> {
+    let channels = record.channels.iter().zip(traces);
+    channels
+        .map(|(channel, trace)| remainder(channel, &trace.predicted, &record.weight))
         .collect()
 }

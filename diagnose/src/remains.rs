@@ -1,6 +1,7 @@
 //! How large the residual of a model is: against the noise, against the signal, and as a torque.
 
 use identify::{Discrepancy, NoisySeries, Output, Record, TorqueOn, residual_torques};
+use parallel::parallel_map;
 
 use crate::candidate::Candidate;
 use crate::remainder::residual;
@@ -77,22 +78,21 @@ pub fn remains(records: &[&Record], candidate: &Candidate) -> Remains {
         }
     });
     let minimum = &candidate.minimum;
-    let torques = records
-        .iter()
-        .zip(&minimum.windows)
-        .flat_map(|(record, windows)| {
-            let found = residual_torques(record, windows, &candidate.model, &minimum.values);
-            found.into_iter().filter_map(|torque| {
-                let n = torque.torque_nm.len() as f64;
-                let square = torque.torque_nm.iter().map(|one| one * one).sum::<f64>() / n;
-                let beyond = square - torque.noise_std_nm.powi(2);
-                (beyond > 0.0).then(|| RemainingTorque {
-                    on: torque.on,
-                    experiment: record.name.clone(),
-                    rms_nm: beyond.sqrt(),
-                })
+    let torques = parallel_map(records.iter().zip(&minimum.windows), |(record, windows)| {
+        let found = residual_torques(record, windows, &candidate.model, &minimum.values);
+        let of_record = found.into_iter().filter_map(|torque| {
+            let n = torque.torque_nm.len() as f64;
+            let square = torque.torque_nm.iter().map(|one| one * one).sum::<f64>() / n;
+            let beyond = square - torque.noise_std_nm.powi(2);
+            (beyond > 0.0).then(|| RemainingTorque {
+                on: torque.on,
+                experiment: record.name.clone(),
+                rms_nm: beyond.sqrt(),
             })
         });
+        of_record.collect::<Vec<RemainingTorque>>()
+    });
+    let torques = torques.into_iter().flatten();
     Remains {
         over_noise,
         over_signal,

@@ -8,7 +8,7 @@
 
 use identify::{
     Effort, Minimum, Output, Record, Unknowns, final_windows, minimise, pseudo_inverse, score_test,
-    traces,
+    traces_that_count,
 };
 use plant::Model;
 
@@ -95,7 +95,7 @@ fn predicted(
         &unknowns,
         effort,
     );
-    traces(record, &minimum.windows[0], model, values)
+    traces_that_count(record, &minimum.windows[0], model, values)
         .iter()
         .zip(&record.channels)
         .filter(|(_, channel)| moves(channel))

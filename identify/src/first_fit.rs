@@ -45,7 +45,8 @@ pub fn first_fit(problem: &FitProblem, effort: Effort) -> Minimum {
     // Over the first windows, each with its own start, a model follows the motion if its parameters are about right,
     // even if it lacks an effect.
     let mut doubtful = true;
-    let mut look = |minimum: &Minimum| doubtful = is_doubtful(&records, minimum);
+    let mut look =
+        |records: &[&Record], minimum: &Minimum| doubtful = is_doubtful(records, minimum);
     let first = fit_in_stages(&records, &base, shown.clone(), &free, effort, &mut look);
     let is_sparse = is_sparse(&records);
     let is_good = !doubtful && first.cost.is_finite() && !is_short_and_misses(&records, &first);

@@ -46,6 +46,7 @@ pub use fit::{
     Window, WindowNormal, acts, base_values, cogging_start, cost, cost_of_means, failed_series,
     final_windows, fit_from_scratch, fit_windowed, guessed, is_of_wheel, joined, minimise, normal,
     normal_observed, ratios, refit, relevant, score_test, settled, simulate, traces,
+    traces_that_count,
 };
 pub use identification::{
     Identification, describe, fit_until, identify, identify_until, open_inertia, refuse_failed,

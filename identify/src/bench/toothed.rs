@@ -24,6 +24,11 @@ pub(super) const BLOCKS_PER_PERIOD: f64 = 60.0;
 /// Number of windows of a log that count. Each tells a wheel's acceleration to some percent; sixty tell it to some
 /// tenths, in a hundredth of a second of computing time.
 const MOST_WINDOWS: usize = 60;
+/// Number of windows of a bench that count. The logs share their parameters, so that many logs need fewer windows each:
+/// 240 tell an acceleration of some percent to a quarter of a percent.
+const MOST_WINDOWS_OF_BENCH: usize = 240;
+/// Number of windows that count in every log, however many logs there are: they tell whether it agrees with the others.
+const LEAST_WINDOWS: usize = 20;
 /// Largest advance of the teeth's phase over a block, rad: its mean then flattens a ripple by 4 %.
 const LARGEST_ADVANCE_RAD: f64 = 1.0;
 /// Share of what the teeth promise that must lie in windows that slow.
@@ -47,8 +52,11 @@ pub(super) enum Toothed {
 impl Toothed {
     /// From the logs as recorded.
     pub(super) fn shown(teeth: &Teeth, raw: &[Record]) -> Toothed {
+        let turning = raw.iter().filter(|raw| turns(raw)).count();
+        let most = MOST_WINDOWS_OF_BENCH / turning.max(1);
+        let most = most.clamp(LEAST_WINDOWS, MOST_WINDOWS);
         let logs = parallel_map(raw.iter().enumerate(), |(log, raw)| {
-            by_teeth(teeth, log, raw)
+            by_teeth(teeth, log, raw, most)
         });
         Toothed::Shown(Arc::new(logs))
     }
@@ -62,13 +70,16 @@ impl Toothed {
     }
 }
 
-/// A log read by its teeth; `None` if it has no wheel that moves, or its teeth do not show.
-fn by_teeth(teeth: &Teeth, log: usize, raw: &Record) -> Option<Record> {
-    let speed = raw.channel(Output::WheelSpeed)?;
+/// Whether a log has the speed of a wheel that moves.
+fn turns(raw: &Record) -> bool {
+    raw.kind != Kind::FreeSwing && raw.len() >= 2 && raw.channel(Output::WheelSpeed).is_some()
+}
+
+/// A log read by its teeth, with at most `most` windows that count; `None` if it has no wheel that moves, or its teeth
+/// do not show.
+fn by_teeth(teeth: &Teeth, log: usize, raw: &Record, most: usize) -> Option<Record> {
+    let speed = raw.channel(Output::WheelSpeed).filter(|_| turns(raw))?;
     let n = raw.len();
-    if raw.kind == Kind::FreeSwing || n < 2 {
-        return None;
-    }
     let at_start = teeth.correction(log, raw.time_s[0])?;
     let interval_s = (raw.time_s[n - 1] - raw.time_s[0]) / (n - 1) as f64;
     // The windows, each with what its teeth promise and how fast its wheel is.
@@ -109,10 +120,15 @@ fn by_teeth(teeth: &Teeth, log: usize, raw: &Record) -> Option<Record> {
     let shifts = corrections.iter().map(|one| one.angle_rad);
     let corrected: Vec<f64> = measured.iter().zip(shifts).map(|(a, b)| a + b).collect();
     let windows = record.windows(BALANCE_WINDOW_S);
-    let kept = kept(teeth, log, &record, windows, |samples| {
+    let known = windows.into_iter().filter(|samples| {
         let middle = usize::midpoint(samples.start, samples.end);
         corrections[middle].std_rad * teeth.order <= LARGEST_PHASE_STD_RAD
     });
+    let promised = known.map(|samples| {
+        let promised = promise(teeth, log, &record, &samples);
+        (samples, promised)
+    });
+    let kept = kept(promised.collect(), most);
     if kept.is_empty() {
         return None;
     }
@@ -140,26 +156,12 @@ fn promise(teeth: &Teeth, log: usize, record: &Record, samples: &Range<usize>) -
     teeth.expected(log, from, until)
 }
 
-/// The windows that count, in the order of time.
-fn kept(
-    teeth: &Teeth,
-    log: usize,
-    record: &Record,
-    windows: Vec<Range<usize>>,
-    is_known: impl Fn(&Range<usize>) -> bool,
-) -> Vec<Range<usize>> {
-    let mut known: Vec<(Range<usize>, f64)> = windows
-        .into_iter()
-        .filter(|samples| is_known(samples))
-        .map(|samples| {
-            let promised = promise(teeth, log, record, &samples);
-            (samples, promised)
-        })
-        .collect();
-    if known.len() <= MOST_WINDOWS {
+/// The windows that count, at most `most`, in the order of time: of `known`, each with what its teeth promise.
+fn kept(mut known: Vec<(Range<usize>, f64)>, most: usize) -> Vec<Range<usize>> {
+    if known.len() <= most {
         return known.into_iter().map(|one| one.0).collect();
     }
-    let half = MOST_WINDOWS / 2;
+    let half = most / 2;
     let count = known.len();
     let evenly: Vec<Range<usize>> = (0..half)
         .map(|index| known[index * count / half].0.clone())

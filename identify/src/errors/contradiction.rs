@@ -115,6 +115,8 @@ struct Statistics<'a> {
     values: Vec<f64>,
     names: Vec<&'static str>,
     units: Vec<String>,
+    /// Whether an unknown is the phase of a ripple over the wheel's angle.
+    is_phase: Vec<bool>,
     /// Information and gradient of each record.
     promised: Vec<RecordScore>,
     /// Covariance of each gradient.
@@ -204,6 +206,14 @@ fn is_measured(problem: &FitProblem, position: usize) -> bool {
     }
 }
 
+/// Whether a position of the parameter vector is the phase of a ripple.
+fn is_phase(model: &Model, position: usize) -> bool {
+    model.range_at(position).is_some_and(|(effect, own)| {
+        let ripple = effect.info().ripple;
+        ripple.is_some_and(|ripple| own.start + ripple.phase == position)
+    })
+}
+
 /// The number of standard errors that one of `tests` normal variables exceeds with probability
 /// [`FALSE_ALARM`].
 pub(super) fn sigmas_for(tests: usize) -> f64 {
@@ -237,6 +247,7 @@ impl<'a> Statistics<'a> {
                 .iter()
                 .map(|&at| problem.unit(model, at))
                 .collect(),
+            is_phase: positions.iter().map(|&at| is_phase(model, at)).collect(),
             promised: at,
             scatter,
         }
@@ -285,8 +296,11 @@ impl<'a> Statistics<'a> {
         candidates
     }
 
+    /// Whether a record tells something of an unknown that others can contradict. The angles of a log that is read by its
+    /// teeth were turned until these lie where those of the others do, up to some tenths of a radian of their phase.
     fn tells(&self, record: usize, unknown: usize) -> bool {
-        self.promised[record].information[(unknown, unknown)] > 0.0
+        let is_turned = self.is_phase[unknown] && self.records[record].teeth.is_some();
+        !is_turned && self.promised[record].information[(unknown, unknown)] > 0.0
     }
 
     /// Tests `unknown` with its own value for `record`, or freed for all records if it is a known one. `information` and

@@ -28,7 +28,7 @@ use plant::{Kind, Model, Smoothing};
 
 use super::spectral::correlated_sum;
 use crate::fit::{
-    Observation, Unknowns, Window, normal_observed, relevant, simulate_smoothed,
+    Observation, Unknowns, Window, counts, normal_observed, relevant, simulate_smoothed,
     transitions_backwards,
 };
 use crate::records::{Record, input_noise_std};
@@ -147,16 +147,20 @@ pub fn gradient_error(
     let channels = record.channels.len();
     let mut residuals = vec![vec![0.0; n]; channels];
     let mut sensitivities = vec![vec![vec![0.0; n]; p]; channels];
-    let mut counts = vec![0usize; channels];
+    let mut observations = vec![0usize; channels];
     let mut locals_total = 0;
     let projected: Vec<Projected> = parallel_map(windows, |window| {
         project(record, window, model, values, unknowns, &globals)
     });
+    // A window of which nothing counts has no sensitivities, and its start is not fitted.
+    let counting = || windows.iter().filter(|window| counts(record, window));
     for (window, projected) in windows.iter().zip(projected) {
-        locals_total += window.nuisances.len();
+        if counts(record, window) {
+            locals_total += window.nuisances.len();
+        }
         let rows = projected.sensitivities.chunks_exact(projected.width);
         for (one, sensitivity) in projected.observed.iter().zip(rows) {
-            counts[one.channel] += 1;
+            observations[one.channel] += 1;
             let mut residual = one.residual;
             for (index, series) in sensitivities[one.channel].iter_mut().enumerate() {
                 series[one.sample] = sensitivity[index];
@@ -165,11 +169,20 @@ pub fn gradient_error(
             residuals[one.channel][one.sample] = residual;
         }
     }
-    for window in windows {
-        let walk = input_walk(record, window, model, values, &sensitivities);
-        for (row, &to_row) in globals.iter().enumerate() {
-            for (column, &to_column) in globals.iter().enumerate() {
-                middle[(to_row, to_column)] += walk[(row, column)];
+    let input_noise_a = match record.kind {
+        Kind::SpinUp | Kind::Driven => input_noise_std(&record.current_a),
+        Kind::FreeSwing | Kind::Balance => 0.0,
+    };
+    if input_noise_a > 0.0 {
+        let walks = parallel_map(counting(), |window| {
+            let carried = (window, &sensitivities[..], input_noise_a);
+            input_walk(record, model, values, carried)
+        });
+        for walk in walks {
+            for (row, &to_row) in globals.iter().enumerate() {
+                for (column, &to_column) in globals.iter().enumerate() {
+                    middle[(to_row, to_column)] += walk[(row, column)];
+                }
             }
         }
     }
@@ -185,16 +198,20 @@ pub fn gradient_error(
             }
         }
     }
-    let total: usize = counts.iter().sum();
+    let total: usize = observations.iter().sum();
     // Unbiased variance: the fitted unknowns used up degrees of freedom.
     let freedom = total as f64 / total.saturating_sub(p + locals_total).max(1) as f64;
+    // Windows that count are joined over those that do not. Each has a start of its own, so that its residual says next to
+    // nothing of the next one's.
+    let joined = |series: &Vec<f64>| -> Vec<f64> {
+        let parts = counting().map(|window| &series[window.samples.clone()]);
+        parts.flatten().copied().collect()
+    };
     for channel in 0..channels {
-        if counts[channel] > 0 {
-            let spectra = correlated_sum(
-                &residuals[channel],
-                &sensitivities[channel],
-                counts[channel],
-            );
+        if observations[channel] > 0 {
+            let own: Vec<Vec<f64>> = sensitivities[channel].iter().map(joined).collect();
+            let left = joined(&residuals[channel]);
+            let spectra = correlated_sum(&left, &own, observations[channel]);
             for (row, &to_row) in globals.iter().enumerate() {
                 for (column, &to_column) in globals.iter().enumerate() {
                     middle[(to_row, to_column)] += spectra[(row, column)] * freedom;
@@ -287,7 +304,8 @@ fn is_dry_friction(model: &Model, position: usize) -> bool {
 const STICKS: f64 = 0.1;
 
 /// The change of every output if the joint of a model with dry friction sticks, sample by sample, in units of the
-/// channel's noise. "Sticks" means the same motion with a sign that is ten times as sharp.
+/// channel's noise; zero in a window of which nothing counts. "Sticks" means the same motion with a sign that is ten
+/// times as sharp.
 pub fn stuck(record: &Record, windows: &[Window], model: &Model, values: &[f64]) -> Vec<Vec<f64>> {
     let v0 = Smoothing::SIMULATION;
     let sticks = Smoothing {
@@ -296,7 +314,7 @@ pub fn stuck(record: &Record, windows: &[Window], model: &Model, values: &[f64])
     };
     let mut changes = vec![vec![0.0; record.len()]; record.channels.len()];
     for (smoothing, factor) in [(sticks, 1.0), (v0, -1.0)] {
-        for window in windows {
+        for window in windows.iter().filter(|window| counts(record, window)) {
             simulate_smoothed(record, window, model, values, smoothing, |k, reading, _| {
                 for (series, channel) in changes.iter_mut().zip(&record.channels) {
                     let change = factor * channel.output.of(reading) / channel.noise_std;
@@ -310,24 +328,16 @@ pub fn stuck(record: &Record, windows: &[Window], model: &Model, values: &[f64])
     changes
 }
 
-/// Covariance of the gradient of one window that comes from the noise of the recorded current. `sensitivities` holds,
-/// for each channel and parameter, the normalised series over the record.
+/// Covariance of the gradient of one window that comes from the noise of the recorded current, `noise_a` in A.
+/// `sensitivities` holds, for each channel and parameter, the normalised series over the record.
 fn input_walk(
     record: &Record,
-    window: &Window,
     model: &Model,
     values: &[f64],
-    sensitivities: &[Vec<Vec<f64>>],
+    (window, sensitivities, noise_a): (&Window, &[Vec<Vec<f64>>], f64),
 ) -> DMatrix<f64> {
     let p = sensitivities.first().map_or(0, Vec::len);
     let mut walk = DMatrix::zeros(p, p);
-    let noise_a = match record.kind {
-        Kind::SpinUp | Kind::Driven => input_noise_std(&record.current_a),
-        Kind::FreeSwing | Kind::Balance => 0.0,
-    };
-    if noise_a == 0.0 {
-        return walk;
-    }
     // Sum over all later samples: the sensitivity times the remaining part of a change of the state.
     let mut later = Matrix6xX::<f64>::zeros(p);
     transitions_backwards(record, window, model, values, |k, transition| {

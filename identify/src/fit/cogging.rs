@@ -4,7 +4,7 @@
 use parallel::parallel_map;
 use plant::{EffectId, Model};
 
-use super::comparison::traces;
+use super::comparison::traces_that_count;
 use super::sensitivity::{counts, window_cost};
 use super::solver::Minimum;
 use super::unknowns::{Nuisance, Window};
@@ -242,7 +242,7 @@ fn wheel_speed_errors(
 ) -> Vec<WheelSpeedError> {
     let mut found = vec![];
     for (index, (record, windows)) in records.iter().zip(&minimum.windows).enumerate() {
-        let traces = traces(record, windows, model, &minimum.values);
+        let traces = traces_that_count(record, windows, model, &minimum.values);
         let channels = record.channels.iter().zip(&traces);
         let Some((channel, trace)) = channels
             .into_iter()

@@ -2,6 +2,7 @@
 
 use plant::Model;
 
+use super::sensitivity::counts;
 use super::simulation::simulate;
 use super::unknowns::Window;
 use crate::records::{Output, Record, RecordedChannel};
@@ -47,6 +48,29 @@ impl PredictedSeries {
 pub fn traces(
     record: &Record,
     windows: &[Window],
+    model: &Model,
+    values: &[f64],
+) -> Vec<PredictedSeries> {
+    let all: Vec<&Window> = windows.iter().collect();
+    compared(record, &all, model, values)
+}
+
+/// As [`traces`], without a prediction (NaN) in windows of which nothing counts. Of a log that is read by the teeth of
+/// its motor, these are most.
+pub fn traces_that_count(
+    record: &Record,
+    windows: &[Window],
+    model: &Model,
+    values: &[f64],
+) -> Vec<PredictedSeries> {
+    let counting = windows.iter().filter(|window| counts(record, window));
+    let counting: Vec<&Window> = counting.collect();
+    compared(record, &counting, model, values)
+}
+
+fn compared(
+    record: &Record,
+    windows: &[&Window],
     model: &Model,
     values: &[f64],
 ) -> Vec<PredictedSeries> {

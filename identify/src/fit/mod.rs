@@ -17,9 +17,11 @@
 //! | `means` | whether a fit is better than predicting the mean of every series |
 //! | `cogging` | starts for a fit of cogging |
 //! | `schedule` | the growing windows of a fit that starts from scratch |
+//! | `early` | fewer samples of dense logs until the last of them |
 
 mod cogging;
 mod comparison;
+mod early;
 mod effort;
 mod integrated;
 mod means;
@@ -37,7 +39,7 @@ mod unknowns;
 mod windows;
 
 pub use cogging::{CoggingStart, cogging_start, settled};
-pub use comparison::{PredictedSeries, traces};
+pub use comparison::{PredictedSeries, traces, traces_that_count};
 pub use effort::{Effort, Outcome};
 pub(crate) use integrated::integrated_ratios;
 pub use means::{NoBetterThanMean, cost_of_means, failed_series};
@@ -45,6 +47,7 @@ pub use ratios::Ratios;
 pub(crate) use schedule::fit_in_stages;
 pub use schedule::{fit_from_scratch, fit_windowed, refit};
 pub use score_test::{KnownScore, RecordScore, ScoreStep, ScoreTest, score_test};
+pub(crate) use sensitivity::counts;
 pub use sensitivity::{MAX_UNKNOWNS, Observation, WindowNormal, normal, normal_observed};
 pub use simulation::{simulate, simulate_smoothed};
 pub use solver::{Minimum, cost, minimise};

@@ -5,9 +5,11 @@
 //! (multiple shooting; Bock 1983), whose cost is nearly quadratic. It then lengthens the windows
 //! until one window spans the log.
 
+use parallel::parallel_map;
 use plant::{EffectId, Kind, Model, Timing, period_s};
 
 use super::cogging::settled;
+use super::early::Early;
 use super::effort::{Effort, Outcome};
 use super::score_test::score_test;
 use super::solver::{Minimum, minimise};
@@ -65,18 +67,19 @@ pub fn fit_from_scratch(
     free: &[usize],
     effort: Effort,
 ) -> Minimum {
-    let mut nothing = |_: &Minimum| {};
+    let mut nothing = |_: &[&Record], _: &Minimum| {};
     fit_in_stages(records, model, values, free, effort, &mut nothing)
 }
 
-/// As [`fit_from_scratch`]. `first` receives the minimum over the first windows, whose cost is nearly quadratic.
+/// As [`fit_from_scratch`]. `first` receives the minimum over the first windows, whose cost is nearly quadratic, with
+/// the records that it belongs to.
 pub(crate) fn fit_in_stages(
     records: &[&Record],
     model: &Model,
     values: Vec<f64>,
     free: &[usize],
     effort: Effort,
-    first: &mut dyn FnMut(&Minimum),
+    first: &mut dyn FnMut(&[&Record], &Minimum),
 ) -> Minimum {
     let unknowns = Unknowns::new(model, free);
     let growth = Growth::for_model(model, &values);
@@ -94,13 +97,26 @@ pub(crate) fn fit_in_stages(
         })
         .fold(0.0, f64::max);
     let mut window_s = growth.first_s;
+    let early: Vec<Option<Early>> =
+        parallel_map(records, |record| Early::of(record, model, &values));
+    // Where a log is dense, all stages come before the last one.
+    let mut is_early = early.iter().any(Option::is_some);
     let mut values = values;
     let mut current: Vec<Vec<Window>> = vec![vec![]; records.len()];
     let mut is_first = true;
     loop {
-        let last = window_s >= longest_s;
-        let length_s = if last { f64::INFINITY } else { window_s };
-        current = records
+        let is_longest = window_s >= longest_s;
+        let last = is_longest && !is_early;
+        let length_s = if is_longest { f64::INFINITY } else { window_s };
+        let in_stage: Vec<&Record> = records
+            .iter()
+            .zip(&early)
+            .map(|(&record, early)| match early {
+                Some(early) if is_early => &early.record,
+                _ => record,
+            })
+            .collect();
+        current = in_stage
             .iter()
             .zip(&current)
             .map(|(record, before)| match record.kind {
@@ -115,9 +131,9 @@ pub(crate) fn fit_in_stages(
         } else {
             Effort::ROUGH.until(effort.cancelled)
         };
-        let minimum = minimise(records, model, values, current, &unknowns, stage);
+        let minimum = minimise(&in_stage, model, values, current, &unknowns, stage);
         if is_first {
-            first(&minimum);
+            first(&in_stage, &minimum);
             is_first = false;
         }
         if last {
@@ -128,7 +144,19 @@ pub(crate) fn fit_in_stages(
         }
         values = minimum.values;
         current = minimum.windows;
-        window_s *= growth.factor;
+        if is_longest {
+            current = current
+                .into_iter()
+                .zip(records.iter().zip(&early))
+                .map(|(windows, (record, early))| match early {
+                    Some(early) => early.whole(windows, record.len()),
+                    None => windows,
+                })
+                .collect();
+            is_early = false;
+        } else {
+            window_s *= growth.factor;
+        }
     }
 }
 

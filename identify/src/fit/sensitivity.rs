@@ -346,7 +346,7 @@ fn priors(record: &Record, window: &Window) -> Vec<(usize, f64, f64)> {
 }
 
 /// Whether any sample of a window has weight. A window of which nothing counts need not be simulated.
-pub(super) fn counts(record: &Record, window: &Window) -> bool {
+pub(crate) fn counts(record: &Record, window: &Window) -> bool {
     let weights = &record.weight[window.samples.clone()];
     weights.iter().any(|&weight| weight > 0.0)
 }

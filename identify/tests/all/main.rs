@@ -8,6 +8,7 @@ mod common;
 mod contradiction;
 mod correlation;
 mod learned;
+mod left_out;
 mod neighbour;
 mod other_rig;
 mod outside;
