@@ -175,13 +175,13 @@ pub fn search(
                 break;
             }
         } else if pool[best].largest_remainder() <= thresholds.remains
-            || (evidence[top] <= evidence[best] && depth > pool[best].added.len() + 1)
+            || (evidence[top] <= evidence[best] && depth > 1)
         {
             break;
         }
-        // While a plain remainder is left, the search goes on for one more effect, even from candidates that are no better
-        // than the best: two effects together can explain what neither explains alone. A log of a few periods has so few
-        // independent values that neither may outweigh its own parameters.
+        // Where no single effect decides and a plain remainder is left, pairs are tried all the same: two effects together
+        // can explain what neither explains alone. A log of a few periods has so few independent values that neither may
+        // outweigh its own parameters.
         beam = newest.clone();
         beam.retain(|&index| !takes_up(index) && evidence[index] > f64::NEG_INFINITY);
         beam.sort_by(|&a, &b| evidence[b].total_cmp(&evidence[a]));
