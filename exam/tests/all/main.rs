@@ -12,3 +12,4 @@ mod scales;
 mod sensors;
 mod teeth;
 mod thesis_bench;
+mod wheel_friction;
