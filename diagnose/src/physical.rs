@@ -92,6 +92,9 @@ pub fn unphysical(
     found.into_iter().map(|(_, one)| one).collect()
 }
 
+/// Below this share of its terms, the variance of a ratio is the rounding of a covariance whose scale is not determined.
+const CANCELLED: f64 = 1e-9;
+
 /// The standard error of the value, or of the ratio, of an effect whose parameters begin `at` this position.
 fn std(fit: &Fit, at: usize, one: &Unphysical) -> Option<f64> {
     let (top, over) = (
@@ -108,7 +111,8 @@ fn std(fit: &Fit, at: usize, one: &Unphysical) -> Option<f64> {
     // var(a/b) b² = var a − 2 (a/b) cov(a, b) + (a/b)² var b
     let variance = covariance[(top, top)] - 2.0 * ratio * covariance[(top, bottom)]
         + ratio * ratio * covariance[(bottom, bottom)];
-    (variance > 0.0).then(|| variance.sqrt() / fit.values[over].abs())
+    let size = covariance[(top, top)] + ratio * ratio * covariance[(bottom, bottom)];
+    (variance > CANCELLED * size).then(|| variance.sqrt() / fit.values[over].abs())
 }
 
 #[cfg(test)]

@@ -63,7 +63,9 @@ pub fn simplest(
 ) -> usize {
     (0..pool.len())
         .filter(|&index| {
-            pool[top].strictly_contains(&pool[index])
+            // What has no evidence at all explains nothing, whether or not a larger candidate contains it.
+            evidence[index] > f64::NEG_INFINITY
+                && pool[top].strictly_contains(&pool[index])
                 && (evidence[top] - evidence[index] < tie || !shows(&pool[index], &pool[top]))
         })
         .min_by_key(|&index| pool[index].parameters)
@@ -156,6 +158,9 @@ mod tests {
         let shows = |smaller: &Candidate, _: &Candidate| smaller.added.is_empty();
         assert_eq!(simplest(&pool, &evidence, 2, 1.0, shows), 1);
         assert_eq!(simplest(&pool, &evidence, 2, 1.0, |_, _| true), 2);
+        // No sensor would show the difference, but the smaller one has a value that no cause has.
+        let evidence = [-50.0, f64::NEG_INFINITY, -4.0];
+        assert_eq!(simplest(&pool, &evidence, 2, 3.0, shows), 2);
     }
 
     #[test]

@@ -175,7 +175,7 @@ pub fn try_all(
     let (refinements, by_themselves): (Vec<EffectId>, Vec<EffectId>) = refinements
         .into_iter()
         .filter(|&effect| !fitted(effect))
-        .partition(|effect| effect.info().replaces.iter().any(|name| promises(&name)));
+        .partition(|effect| effect.info().replaces.iter().any(&promises));
     let mut chosen = screened;
     chosen.extend(parallel_map(&by_themselves, |&effect| {
         let starts = starts(bench, &from.minimum, point, known, effect);

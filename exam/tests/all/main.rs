@@ -13,3 +13,4 @@ mod scales;
 mod sensors;
 mod teeth;
 mod thesis_bench;
+mod wheel_friction;
