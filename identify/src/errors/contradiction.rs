@@ -115,8 +115,8 @@ struct Statistics<'a> {
     values: Vec<f64>,
     names: Vec<&'static str>,
     units: Vec<String>,
-    /// Whether an unknown is the phase of a ripple over the wheel's angle.
-    is_phase: Vec<bool>,
+    /// Whether an unknown belongs to a ripple over the wheel's angle, and is its phase.
+    of_ripple: Vec<Option<bool>>,
     /// Information and gradient of each record.
     promised: Vec<RecordScore>,
     /// Covariance of each gradient.
@@ -206,12 +206,11 @@ fn is_measured(problem: &FitProblem, position: usize) -> bool {
     }
 }
 
-/// Whether a position of the parameter vector is the phase of a ripple.
-fn is_phase(model: &Model, position: usize) -> bool {
-    model.range_at(position).is_some_and(|(effect, own)| {
-        let ripple = effect.info().ripple;
-        ripple.is_some_and(|ripple| own.start + ripple.phase == position)
-    })
+/// Whether a position of the parameter vector is the phase of a ripple; `None` if it belongs to no ripple.
+fn of_ripple(model: &Model, position: usize) -> Option<bool> {
+    let (effect, own) = model.range_at(position)?;
+    let ripple = effect.info().ripple?;
+    Some(own.start + ripple.phase == position)
 }
 
 /// The number of standard errors that one of `tests` normal variables exceeds with probability
@@ -247,7 +246,7 @@ impl<'a> Statistics<'a> {
                 .iter()
                 .map(|&at| problem.unit(model, at))
                 .collect(),
-            is_phase: positions.iter().map(|&at| is_phase(model, at)).collect(),
+            of_ripple: positions.iter().map(|&at| of_ripple(model, at)).collect(),
             promised: at,
             scatter,
         }
@@ -296,11 +295,17 @@ impl<'a> Statistics<'a> {
         candidates
     }
 
-    /// Whether a record tells something of an unknown that others can contradict. The angles of a log that is read by its
-    /// teeth were turned until these lie where those of the others do, up to some tenths of a radian of their phase.
+    /// Whether a record tells something of an unknown that others can contradict. Where logs are read by their teeth, their
+    /// angles were turned until these lie where those of the others do, up to some tenths of a radian of their phase. A log
+    /// of the same bench that does not show its teeth begins at a tooth that nobody knows.
     fn tells(&self, record: usize, unknown: usize) -> bool {
-        let is_turned = self.is_phase[unknown] && self.records[record].teeth.is_some();
-        !is_turned && self.promised[record].information[(unknown, unknown)] > 0.0
+        let by_teeth = self.records.iter().any(|record| record.teeth.is_some());
+        let shows_teeth = self.records[record].teeth.is_some();
+        let is_open = match self.of_ripple[unknown] {
+            Some(is_phase) => by_teeth && (is_phase || !shows_teeth),
+            None => false,
+        };
+        !is_open && self.promised[record].information[(unknown, unknown)] > 0.0
     }
 
     /// Tests `unknown` with its own value for `record`, or freed for all records if it is a known one. `information` and

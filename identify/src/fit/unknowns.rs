@@ -48,7 +48,13 @@ impl Nuisance {
         if angle_quantum(record).is_some() {
             nuisances.push(Nuisance::AngleZero);
         }
-        if matches!(record.kind, Kind::Balance | Kind::Driven) && measures(Output::WheelSpeed) {
+        // A spin-up begins where its angle is zero, and keeps to it; not where its teeth tell it window by window.
+        let loses_turns = match record.kind {
+            Kind::FreeSwing => false,
+            Kind::SpinUp => record.teeth.is_some(),
+            Kind::Balance | Kind::Driven => true,
+        };
+        if loses_turns && measures(Output::WheelSpeed) {
             nuisances.push(Nuisance::WheelAngle);
         }
         nuisances.push(Nuisance::PastMotion);

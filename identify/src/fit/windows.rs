@@ -67,7 +67,11 @@ pub(super) fn windows(
             .iter()
             .min_by_key(|window| window.samples.start.abs_diff(range.start))?;
         let away = near.samples.start.abs_diff(range.start) as f64;
-        (away <= SNAP * range.len() as f64).then_some(near)
+        // A log that is read by its teeth has other unknowns than the same log read in one piece.
+        let unknowns = Nuisance::of(record).into_iter();
+        let own = unknowns.filter(|local| !local.is_past() || near.samples.start == 0);
+        let fits = near.nuisances.len() == own.count();
+        (fits && away <= SNAP * range.len() as f64).then_some(near)
     };
     let found: Vec<Option<&Window>> = ranges.iter().map(nearest).collect();
     let start = |index: usize| found[index].map_or(ranges[index].start, |near| near.samples.start);
