@@ -9,8 +9,12 @@ use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_I
 use super::error::IdentifyError;
 use super::toothed::Toothed;
 use crate::fit::{base_values, ratios};
-use crate::records::{BALANCE_WINDOW_S, Output, Record, RecordedCurrent};
+use crate::records::{BALANCE_WINDOW_S, Output, Record, RecordedCurrent, input_noise_std};
 use crate::residuals::{PushModel, find_disturbances, leave_out};
+
+/// A current flowed where it was beyond this many standard deviations of its noise. Gaussian noise exceeds it once in 500
+/// million.
+const CURRENT_DEVIATIONS: f64 = 6.0;
 
 /// A bench prepared for fits: its records, and the values that are given.
 #[derive(Clone, Debug)]
@@ -88,11 +92,15 @@ impl FitProblem {
                 && !matches!(record.current, RecordedCurrent::Unknown)
         });
         let body = known[TOTAL_INERTIA].is_some() || known[GRAVITY_TORQUE].is_some();
-        let recorded = records.iter().any(|record| {
-            record.kind != Kind::FreeSwing && !matches!(record.current, RecordedCurrent::Unknown)
+        let of_wheel = |record: &&Record| record.kind != Kind::FreeSwing;
+        let nobody_wrote = |record: &Record| matches!(record.current, RecordedCurrent::Unknown);
+        // A torque constant says how large a torque is only where a current flowed: in a coast-down none does, whatever
+        // the noise of its sensor.
+        let driven = records.iter().filter(of_wheel).any(|record| {
+            let least = CURRENT_DEVIATIONS * input_noise_std(&record.current_a);
+            !nobody_wrote(record) && record.current_a.iter().any(|current| current.abs() > least)
         });
-        let wheel =
-            known[WHEEL_INERTIA].is_some() || (known[TORQUE_CONSTANT].is_some() && recorded);
+        let wheel = known[WHEEL_INERTIA].is_some() || (known[TORQUE_CONSTANT].is_some() && driven);
         let (body, wheel) = if coupled {
             (body || wheel, body || wheel)
         } else {
@@ -104,6 +112,10 @@ impl FitProblem {
         }
         if !wheel && !coupled {
             known[WHEEL_INERTIA] = Some(1.0);
+            // Per unit of inertia the torque constant is another number than the stated one.
+            if !records.iter().filter(of_wheel).any(nobody_wrote) {
+                known[TORQUE_CONSTANT] = None;
+            }
         }
         let mut problem = FitProblem {
             records,
