@@ -9,12 +9,8 @@ use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_I
 use super::error::IdentifyError;
 use super::toothed::Toothed;
 use crate::fit::{base_values, ratios};
-use crate::records::{BALANCE_WINDOW_S, Output, Record, RecordedCurrent, input_noise_std};
+use crate::records::{BALANCE_WINDOW_S, Output, Record, RecordedCurrent};
 use crate::residuals::{PushModel, find_disturbances, leave_out};
-
-/// A current flowed where it was beyond this many standard deviations of its noise. Gaussian noise exceeds it once in 500
-/// million.
-const CURRENT_DEVIATIONS: f64 = 6.0;
 
 /// A bench prepared for fits: its records, and the values that are given.
 #[derive(Clone, Debug)]
@@ -94,11 +90,9 @@ impl FitProblem {
         let body = known[TOTAL_INERTIA].is_some() || known[GRAVITY_TORQUE].is_some();
         let of_wheel = |record: &&Record| record.kind != Kind::FreeSwing;
         let nobody_wrote = |record: &Record| matches!(record.current, RecordedCurrent::Unknown);
-        // A torque constant says how large a torque is only where a current flowed: in a coast-down none does, whatever
-        // the noise of its sensor.
+        // A torque constant says how large a torque is only where a current flowed: in a coast-down none does.
         let driven = records.iter().filter(of_wheel).any(|record| {
-            let least = CURRENT_DEVIATIONS * input_noise_std(&record.current_a);
-            !nobody_wrote(record) && record.current_a.iter().any(|current| current.abs() > least)
+            !nobody_wrote(record) && record.current_a.iter().any(|current| *current != 0.0)
         });
         let wheel = known[WHEEL_INERTIA].is_some() || (known[TORQUE_CONSTANT].is_some() && driven);
         let (body, wheel) = if coupled {
