@@ -344,6 +344,10 @@ impl<'s> Series<'s> {
     }
 }
 
+/// The longest step that the reader leaves in the reading of a sensor with a range of one turn, as a share of a turn, with
+/// a hundredth for rounding.
+const HALF_A_TURN: f64 = 0.51;
+
 fn wheel_angle(view: &View, out: &mut Vec<Finding>) {
     let Some(angle) = view.samples(Channel::WheelAngle) else {
         return;
@@ -361,9 +365,14 @@ fn wheel_angle(view: &View, out: &mut Vec<Finding>) {
                 .with_channel("wheel_angle"),
         );
     };
+    // Of a sensor with a range of one turn, the reader takes the shorter way. A longer step comes from a column that
+    // counts turns, whose direction is certain, if its unit is.
+    let mut unstated = view.experiment.report.unstated.iter();
+    let is_stated = !unstated.any(|one| one.channel == Channel::WheelAngle);
+    let counts_turns = most > HALF_A_TURN && is_stated;
     if let Some(finding) = sawtooth::check(Channel::WheelAngle, angle) {
         say(finding);
-    } else if doubtful > 0 {
+    } else if doubtful > 0 && !counts_turns {
         let sentence = format!(
             "the wheel turns by {} of a turn from sample to sample, so its direction is uncertain",
             short(most)

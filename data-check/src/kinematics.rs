@@ -248,10 +248,17 @@ fn late(
         let found = view.ratio_by_bumps(angle, &moved.collect::<Vec<f64>>(), length_s);
         found.map_or(0.0, |found| found.correlation)
     };
+    // A swing repeats itself: a shift by a whole period more fits as well, and means nothing. Between two such shifts
+    // the correlation is negative.
     let most = MOST_LATE.min(view.record.len() as isize / 20);
-    let shifts = (-most..=most).filter(|shift| *shift != 0);
-    let Some((shift, best)) = shifts
-        .map(|shift| (shift, correlation(shift)))
+    let outwards = |sense: isize| {
+        (1..=most)
+            .map(move |size| sense * size)
+            .map(|shift| (shift, correlation(shift)))
+            .take_while(|(_, correlation)| *correlation > 0.0)
+    };
+    let Some((shift, best)) = outwards(1)
+        .chain(outwards(-1))
         .max_by(|a, b| a.1.total_cmp(&b.1))
     else {
         return false;

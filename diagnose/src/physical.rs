@@ -36,6 +36,15 @@ impl Unphysical {
 
     /// Why the effect is no explanation, in one sentence.
     pub fn sentence(&self) -> String {
+        let name = self.effect.name();
+        format!(
+            "{name} would fit best, but with {}. Something else acts like it.",
+            self.why()
+        )
+    }
+
+    /// The value, and what the cause of the effect allows: a part of a sentence.
+    pub fn why(&self) -> String {
         let (quantity, unit) = self.quantity();
         let with_unit = |value: f64| {
             format!("{} {unit}", significant(value, 3))
@@ -49,8 +58,7 @@ impl Unphysical {
             format!("at most {}", with_unit(high))
         };
         format!(
-            "{} would fit best, but with {quantity} = {}, and its cause allows {allowed}: {}. Something else acts like it.",
-            self.effect.name(),
+            "{quantity} = {}, and its cause allows {allowed}: {}",
             with_unit(self.value),
             self.range.reason,
         )

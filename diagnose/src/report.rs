@@ -158,7 +158,12 @@ pub fn looks(
         let candidate = &found.pool[index];
         let (model, minimum) = (&candidate.model, &candidate.minimum);
         let free = bench.problem.free(model);
-        let (unseen, held_out) = held_out(bench, model, minimum);
+        // What its cause cannot have predicts nothing, and such a fit may run away where there are fewer data.
+        let (unseen, held_out) = if candidate.is_unphysical(bench.thresholds.unphysical) {
+            (Unseen::SecondHalves, vec![])
+        } else {
+            held_out(bench, model, minimum)
+        };
         bench.check()?;
         let look = Look {
             fit: finish(&bench.records, model, &free, minimum.clone()),
@@ -210,7 +215,7 @@ fn suspect(
         effect: ranked.effect,
         probability: ranked.probability,
         model: candidate.model.clone(),
-        fingerprint: fingerprint(bench, ranked.effect, &rmse_without, &rmse_with),
+        fingerprint: fingerprint(bench, candidate, ranked.effect, [&rmse_without, &rmse_with]),
         takes_away: rmse_with.iter().zip(&rmse_without).map(share).collect(),
         rmse: rmse_with,
         validation_fit_percent: mean_fit_percent(&look.held_out),
@@ -218,12 +223,13 @@ fn suspect(
     })
 }
 
-/// What the effect looks like in the data, and the series in which it helps most.
+/// What the effect looks like in the data, the series in which it helps most, and why it explains nothing if its cause
+/// cannot have the value of the fit.
 fn fingerprint(
     bench: &SearchBench,
+    candidate: &Candidate,
     effect: EffectId,
-    rmse_without: &[f64],
-    rmse_with: &[f64],
+    [rmse_without, rmse_with]: [&[f64]; 2],
 ) -> String {
     let names = bench
         .records
@@ -235,7 +241,7 @@ fn fingerprint(
         .map(|((name, (before, after)), noise)| (name, before / noise, after / noise))
         .max_by(|a, b| (a.1 - a.2).total_cmp(&(b.1 - b.2)));
     let text = effect.info().fingerprint;
-    match best {
+    let helps = match best {
         Some(((record, channel), before, after)) if before > after => format!(
             "{text}; with it the error of {}/{} falls from {} to {} times the noise of \
              the sensor",
@@ -245,5 +251,11 @@ fn fingerprint(
             significant(after, 3)
         ),
         _ => text.to_owned(),
+    };
+    let sigmas = bench.thresholds.unphysical;
+    let mut values = candidate.unphysical.iter();
+    match values.find(|one| one.effect == effect && one.sigmas() > sigmas) {
+        Some(one) => format!("{helps}; it explains nothing, because {}", one.why()),
+        None => helps,
     }
 }

@@ -36,8 +36,8 @@ mod statements;
 
 pub use bench::{FitProblem, IdentifyError};
 pub use errors::{
-    Contradiction, Fit, Side, body_inertia, body_inertia_contradiction, contradictions, finish,
-    pseudo_inverse, stuck,
+    Contradiction, Fit, Side, WithoutValue, body_inertia, body_inertia_contradiction,
+    contradictions, finish, pseudo_inverse, stuck, without_value,
 };
 pub use extension::{carry_over, extend};
 pub use fit::{

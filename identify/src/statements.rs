@@ -5,7 +5,7 @@ use bench_files::numbers::{number, with_uncertainty};
 use plant::{BASE_PARAMETERS, Kind, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
 
 use crate::bench::FitProblem;
-use crate::errors::Fit;
+use crate::errors::{Fit, without_value};
 use crate::fit::PredictedSeries;
 use crate::records::{BALANCE_WINDOW_S, Record};
 use crate::residuals::{is_slow, samples_in_window};
@@ -104,6 +104,7 @@ pub(crate) fn statements(problem: &FitProblem, fit: &Fit) -> Vec<String> {
     let mut out = left_open(problem);
     let (_, wheel) = problem.moved();
     let infos = fit.model.parameters();
+    let without_value = without_value(problem, fit);
     for (index, &position) in fit.unknowns.free.iter().enumerate() {
         let info = infos[position];
         let effect = fit.model.effect_at(position);
@@ -125,6 +126,10 @@ pub(crate) fn statements(problem: &FitProblem, fit: &Fit) -> Vec<String> {
                         .to_owned(),
                 );
             }
+            continue;
+        }
+        if let Some(one) = without_value.iter().find(|one| one.position == position) {
+            out.push(format!("{} has {}", info.name, one.why));
             continue;
         }
         if fit.minimum.on_bound[index] {

@@ -107,16 +107,22 @@ fn suspect_table(report: &DiagnosisReport) -> String {
     ]);
     let mut words = String::new();
     for suspect in &report.suspects {
-        let parameters: Vec<String> = suspect
+        let mut parameters: Vec<String> = suspect
             .parameters
             .iter()
             .map(|parameter| {
                 let value = with_uncertainty(parameter.value, parameter.std);
-                format!("{} {value} {}", parameter.name, parameter.unit)
+                let unit = match parameter.unit.as_str() {
+                    "1" => "",
+                    unit => unit,
+                };
+                format!("{} {value} {unit}", parameter.name)
                     .trim_end()
                     .to_owned()
             })
             .collect();
+        let without = suspect.without_value.iter();
+        parameters.extend(without.map(|one| format!("{}: {}", one.name, one.why)));
         table.row([
             suspect.effect.clone(),
             probability(suspect.probability),

@@ -141,7 +141,8 @@ pub use design_report::{
 pub use design_sweep::{DesignSweep, SweepPoint, SweepRow, Swept};
 pub use diagnose::{Recipe, Verdict};
 pub use diagnosis::{
-    AppliedDiagnosis, DiagnosisReport, DiagnosisStep, FinalModel, HeldOutBy, SuspectEffect,
+    AppliedDiagnosis, DiagnosisReport, DiagnosisStep, FinalModel, HeldOutBy, ParameterWithoutValue,
+    SuspectEffect,
 };
 pub use drawings::{NamedLoop, loop_drawings};
 pub use effect_confusion::{EffectConfusion, effect_confusions};

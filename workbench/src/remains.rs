@@ -80,7 +80,7 @@ impl RemainsReport {
     ) -> RemainsReport {
         let torque = found.torque.as_ref().filter(|torque| match torque.on {
             TorqueOn::Body | TorqueOn::BodyByCommand => problem.body_scale_known,
-            TorqueOn::Wheel => problem.wheel_scale_known || problem.coupled,
+            TorqueOn::Wheel => problem.wheel_scale_known,
         });
         RemainsReport {
             over_noise: found.over_noise,

@@ -100,19 +100,28 @@ const CERTAIN_STEP: f64 = 0.25;
 
 /// Whether a column jumps by full turns and otherwise moves little from sample to sample: it was read from a sensor with
 /// a range of one turn, even if it covers more (its noise, or a count of turns that lags behind).
+///
+/// Such a sensor jumps against its motion, and a count that lags behind jumps to and fro. A column whose jumps go one way
+/// without any motion against them counts whole turns, as with one mark on the wheel: its steps are the motion.
 fn jumps_by_turns(angle_rad: &[f64]) -> bool {
     let turns = angle_rad
         .windows(2)
-        .map(|pair| (pair[1] - pair[0]).abs() / std::f64::consts::TAU)
-        .filter(|turns| *turns > CERTAIN_STEP);
-    let mut jumps = 0;
+        .map(|pair| (pair[1] - pair[0]) / std::f64::consts::TAU)
+        .filter(|turns| turns.is_finite());
+    let (mut jumps, mut of_jumps, mut of_motion) = (0, 0.0, 0.0);
     for turn in turns {
-        if (turn - 1.0).abs() > OFF_A_TURN {
+        if turn.abs() <= CERTAIN_STEP {
+            of_motion += turn;
+            continue;
+        }
+        if (turn.abs() - 1.0).abs() > OFF_A_TURN {
             return false;
         }
+        of_jumps += turn;
         jumps += 1;
     }
-    jumps > 0
+    let counts_turns = of_jumps.abs() > 1.5 && of_jumps * of_motion >= 0.0;
+    jumps > 0 && !counts_turns
 }
 
 /// Unwraps the angle of a wheel: between two samples, the shorter way is assumed.

@@ -252,6 +252,25 @@ fn an_angle_that_wraps_is_unwrapped() {
     );
 }
 
+/// One mark on the wheel: a line a turn, or a count of turns read at even times. The steps by whole turns are the motion.
+#[test]
+fn a_count_of_turns_is_no_sensor_of_one_turn() {
+    let more = "units = { wheel_angle = \"rev\" }\ncolumns = { wheel_angle = \"turns\" }\nconstants = { current = 0.0 }";
+    let a_line_a_turn = csv("time_s,turns", 60, |i| {
+        format!("{},{i}", 0.4 * i as f64 + 0.002 * (i * i) as f64)
+    });
+    let at_even_times = csv("time_s,turns", 300, |i| {
+        let time = 0.1 * i as f64;
+        format!("{time},{}", (2.5 * time - 0.03 * time * time).floor())
+    });
+    for (log, turns) in [(a_line_a_turn, 59.0), (at_even_times, 47.0)] {
+        let experiment = load(&one("spin-up", more), &log);
+        let angle = experiment.log.wheel_angle_rad.expect("an angle");
+        let turned = (angle[angle.len() - 1] - angle[0]) / TAU;
+        assert!((turned - turns).abs() < 1e-9, "{turned} {turns}");
+    }
+}
+
 /// Columns that a kind has no use for stay in the file, whatever they hold.
 #[test]
 fn useless_columns_are_left_alone() {

@@ -249,3 +249,63 @@ fn a_wheel_with_the_wrong_sign_is_turned_alone() {
         );
     }
 }
+
+/// A rate that firmware took from neighbouring samples of an encoder is late by half an interval. A swing of a dozen
+/// samples a period looks the same a whole period later, which is no delay.
+#[test]
+fn a_period_of_a_swing_is_no_delay() {
+    let count = std::f64::consts::TAU / 2400.0;
+    for tenths in 55..80 {
+        let period_s = 0.01 * f64::from(tenths);
+        let step_s = 0.05;
+        let angle: Vec<f64> = (0..240)
+            .map(|k| {
+                let time_s = step_s * f64::from(k);
+                let angle =
+                    (-0.1 * time_s).exp() * (std::f64::consts::TAU * time_s / period_s).cos();
+                (angle / count).round() * count
+            })
+            .collect();
+        let rate = angle.windows(2).map(|pair| (pair[1] - pair[0]) / step_s);
+        let log = Log {
+            name: "swing",
+            kind: Kind::FreeSwing,
+            columns: vec![
+                ("time_s", (1..240).map(|k| step_s * f64::from(k)).collect()),
+                ("rate_rad_s", rate.collect()),
+                ("angle_rad", angle[1..].to_vec()),
+            ],
+            more: String::new(),
+        };
+        let found = found_in(&Numbers::random(1), &log);
+        let is_late = |finding: &Finding| finding.finding == FindingId::LateChannel;
+        assert!(!found.iter().any(is_late), "{period_s} s: {found:#?}");
+    }
+}
+
+/// A mark on the wheel, read every fourth turn: the column counts the turns, so that their sense is certain.
+#[test]
+fn a_count_of_turns_may_be_long_apart() {
+    let time_s: Vec<f64> = (0..120)
+        .map(f64::from)
+        .map(|k| 1.7 * k + 0.01 * k * k)
+        .collect();
+    let log = Log {
+        name: "coast",
+        kind: Kind::SpinUp,
+        columns: vec![
+            ("time_s", time_s),
+            (
+                "wheel_angle_rad",
+                (0..120)
+                    .map(|k| 4.0 * std::f64::consts::TAU * f64::from(k))
+                    .collect(),
+            ),
+            ("current_A", vec![0.0; 120]),
+        ],
+        more: String::new(),
+    };
+    let found = found_in(&Numbers::random(1), &log);
+    let is_wrapped = |finding: &Finding| finding.finding == FindingId::Wrapped;
+    assert!(!found.iter().any(is_wrapped), "{found:#?}");
+}

@@ -88,11 +88,13 @@ impl FitProblem {
                 && !matches!(record.current, RecordedCurrent::Unknown)
         });
         let body = known[TOTAL_INERTIA].is_some() || known[GRAVITY_TORQUE].is_some();
-        let recorded = records.iter().any(|record| {
-            record.kind != Kind::FreeSwing && !matches!(record.current, RecordedCurrent::Unknown)
+        let of_wheel = |record: &&Record| record.kind != Kind::FreeSwing;
+        let nobody_wrote = |record: &Record| matches!(record.current, RecordedCurrent::Unknown);
+        // A torque constant says how large a torque is only where a current flowed: in a coast-down none does.
+        let driven = records.iter().filter(of_wheel).any(|record| {
+            !nobody_wrote(record) && record.current_a.iter().any(|current| *current != 0.0)
         });
-        let wheel =
-            known[WHEEL_INERTIA].is_some() || (known[TORQUE_CONSTANT].is_some() && recorded);
+        let wheel = known[WHEEL_INERTIA].is_some() || (known[TORQUE_CONSTANT].is_some() && driven);
         let (body, wheel) = if coupled {
             (body || wheel, body || wheel)
         } else {
@@ -104,6 +106,10 @@ impl FitProblem {
         }
         if !wheel && !coupled {
             known[WHEEL_INERTIA] = Some(1.0);
+            // Per unit of inertia the torque constant is another number than the stated one.
+            if !records.iter().filter(of_wheel).any(nobody_wrote) {
+                known[TORQUE_CONSTANT] = None;
+            }
         }
         let mut problem = FitProblem {
             records,

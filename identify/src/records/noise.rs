@@ -193,7 +193,8 @@ fn median_of_blocks(values: &[f64]) -> Option<(f64, usize)> {
 
 /// The step of a quantised channel: the smallest difference between two different values, if most other differences are
 /// multiples of it. Otherwise 0, since the smallest difference is then accidental (a wheel that gains speed has no two
-/// equal samples).
+/// equal samples). Where no value comes twice and nearly all lie one step apart, the step is that of the motion: a wheel
+/// that dry friction slows down loses the same speed from sample to sample.
 pub fn resolution(samples: &[f64]) -> f64 {
     let mut sorted: Vec<f64> = samples.iter().copied().filter(|v| v.is_finite()).collect();
     if sorted.is_empty() {
@@ -212,7 +213,15 @@ pub fn resolution(samples: &[f64]) -> f64 {
         (times - times.round()).abs() < MULTIPLE
     };
     let multiples = steps().filter(is_multiple).count();
-    if multiples as f64 >= MOSTLY * steps().count() as f64 {
+    let (all, single) = (
+        steps().count(),
+        steps().filter(|step| *step < 1.5 * least).count(),
+    );
+    let none_comes_twice = all + 1 == sorted.len();
+    if none_comes_twice && single as f64 >= MOSTLY * all as f64 {
+        return 0.0;
+    }
+    if multiples as f64 >= MOSTLY * all as f64 {
         least
     } else {
         0.0
@@ -250,6 +259,41 @@ mod tests {
             .collect();
         let ratio = noise_std(&samples) / (0.01 / 12f64.sqrt());
         assert!((0.99..1.4).contains(&ratio), "{ratio}");
+    }
+
+    /// In a coast-down with dry friction, or of a wheel that is logged once a turn, equal steps are those of the motion.
+    #[test]
+    fn a_steady_fall_is_not_taken_for_steps_of_the_sensor() {
+        for seed in 0..20 {
+            let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+            let noise = Normal::new(0.0, 5e-4).expect("positive");
+            let mut fall = |lost: usize| -> Vec<f64> {
+                (0..150)
+                    .filter(|k| lost == 0 || k % lost != 0)
+                    .map(|k| 15.0 - 0.075 * k as f64 + noise.sample(&mut rng))
+                    .collect()
+            };
+            for lost in [0, 40] {
+                let samples = fall(lost);
+                assert_eq!(resolution(&samples), 0.0, "seed {seed}, lost {lost}");
+            }
+            let ratio = noise_std(&fall(0)) / 5e-4;
+            assert!((0.6..1.6).contains(&ratio), "seed {seed}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn a_slow_fall_in_steps_of_the_sensor_keeps_them() {
+        for slope in [0.3, 0.7, 1.3] {
+            let samples: Vec<f64> = (0..200)
+                .map(|k| {
+                    let counts = 1500.0 - slope * f64::from(k);
+                    counts.round() * 0.01
+                })
+                .collect();
+            let step = resolution(&samples);
+            assert!((step / 0.01 - 1.0).abs() < 1e-6, "{slope}: {step}");
+        }
     }
 
     #[test]

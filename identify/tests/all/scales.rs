@@ -1,8 +1,8 @@
 //! Without a known torque parameters are found per unit of inertia.
 
 use crate::common::{fitted, log, parameter, short_bench};
-use crate::simulated::{Physics, VALUES, spin_up};
-use identify::{FitProblem, Record};
+use crate::simulated::{Physics, VALUES, coast_down, spin_up};
+use identify::{FitProblem, Record, identify, without_value};
 use plant::{EffectId, Kind, Model};
 
 #[test]
@@ -130,4 +130,69 @@ fn a_spin_up_whose_current_nobody_wrote_down_gives_its_time_constant() {
             found.statements
         );
     }
+}
+
+/// Without a current, a stated torque constant tells nothing of the size of a torque, and a current offset shows only as
+/// a torque. With the wheel's inertia both do.
+#[test]
+fn a_coast_down_gives_no_current_without_the_torque_constant_and_the_inertia() {
+    let offset = |_: &crate::simulated::Now| -2e-3;
+    let physics = Physics {
+        on_wheel: &offset,
+        ..Physics::base()
+    };
+    let mut logged = log(&physics, &coast_down("coast-down"), 2609);
+    let speed = logged.channels.remove(0).samples;
+    let no_current = Some(vec![0.0; speed.len()]);
+    let outputs = [None, None, Some(speed)];
+    let time_s = logged.time_s;
+    let records = vec![Record::new(
+        "coast-down",
+        Kind::SpinUp,
+        time_s,
+        outputs,
+        no_current,
+        false,
+    )];
+    let fit = |known: [Option<f64>; 4]| {
+        let problem =
+            FitProblem::from_records(records.clone(), known, Default::default()).expect("a record");
+        let model = Model::base().with(EffectId::CurrentOffset);
+        // From a torque constant per unit of inertia and an offset of the right size: a start at no offset has no reason
+        // to leave it.
+        let rough = fitted(&problem, &[EffectId::CurrentOffset]);
+        let mut values = rough.fit.values;
+        if problem.known[3].is_none() {
+            values[3] = VALUES[3] / VALUES[1];
+        }
+        values[model.position_of("current_offset").expect("in it")] = -0.05;
+        let start = Some((values, rough.fit.minimum.windows));
+        let found = identify(&problem, &model, start).expect("a fit");
+        (problem, found)
+    };
+    for known in [[None; 4], [None, None, None, Some(VALUES[3])]] {
+        let (problem, found) = fit(known);
+        let friction = found.fit.model.position_of("wheel_viscous_friction");
+        let unit = problem.unit(&found.fit.model, friction.expect("base"));
+        assert!(unit.ends_with("per kg m2"), "{unit}");
+        let position = found.fit.model.position_of("current_offset");
+        let without = without_value(&problem, &found.fit);
+        assert_eq!(without.len(), 1, "{without:?} {:?}", found.fit.values);
+        assert_eq!(Some(without[0].position), position);
+        let why = &without[0].why;
+        assert!(
+            why.contains("torque_constant and wheel_inertia under [known]"),
+            "{why}"
+        );
+        let says = |statement: &String| statement.contains("current_offset has no value by itself");
+        assert!(found.statements.iter().any(says), "{:?}", found.statements);
+    }
+    let (problem, found) = fit([None, Some(VALUES[1]), None, Some(VALUES[3])]);
+    assert_eq!(without_value(&problem, &found.fit), []);
+    let (value, std) = parameter(&found, "current_offset");
+    let truth = -2e-3 / VALUES[3];
+    assert!(
+        (value - truth).abs() < 4.0 * std.max(1e-3 * truth.abs()),
+        "{value} ± {std}"
+    );
 }

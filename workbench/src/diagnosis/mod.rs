@@ -5,5 +5,6 @@ mod sentence;
 mod work;
 
 pub use report::{
-    AppliedDiagnosis, DiagnosisReport, DiagnosisStep, FinalModel, HeldOutBy, SuspectEffect,
+    AppliedDiagnosis, DiagnosisReport, DiagnosisStep, FinalModel, HeldOutBy, ParameterWithoutValue,
+    SuspectEffect,
 };

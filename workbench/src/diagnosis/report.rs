@@ -151,12 +151,24 @@ pub struct SuspectEffect {
     /// Mean fit on held-out data, %; NaN (null) if there are none.
     #[serde(with = "named::gap")]
     pub validation_fit_percent: f64,
-    /// The effect's own parameters in that model.
+    /// The effect's own parameters in that model, without those that have no value by themselves.
     pub parameters: Vec<Parameter>,
+    /// Those that have none, because the logs determine them only together with another parameter.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub without_value: Vec<ParameterWithoutValue>,
     /// Root mean square errors with that model, SI units.
     pub rmse: PerSeries,
     /// One sentence: what the effect looks like in the data, and how far the error falls with it.
     pub fingerprint: String,
+}
+
+/// A parameter of a suspect that the logs determine only together with another one.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ParameterWithoutValue {
+    /// Its name.
+    pub name: String,
+    /// Why it has no value by itself, and what would give it one.
+    pub why: String,
 }
 
 /// The changes that [`Session::apply`](crate::Session::apply) has made.

@@ -2,11 +2,12 @@
 
 use bench_files::{ModelFile, Parameter, Tie};
 use diagnose::{Diagnosis, Options, Step, Suspect, Unseen, Verdict};
-use identify::{Fit, Identification, Progress};
+use identify::{Fit, FitProblem, Identification, Progress};
 use plant::{EffectId, Model};
 
 use super::report::{
-    AppliedDiagnosis, DiagnosisReport, DiagnosisStep, FinalModel, HeldOutBy, SuspectEffect,
+    AppliedDiagnosis, DiagnosisReport, DiagnosisStep, FinalModel, HeldOutBy, ParameterWithoutValue,
+    SuspectEffect,
 };
 use super::sentence::{provisional_effects, sentence};
 use crate::comparison::{
@@ -211,15 +212,20 @@ impl DiagnosisReport {
             suspects: found
                 .suspects
                 .iter()
-                .map(|suspect| SuspectEffect {
-                    effect: suspect.effect.name().to_owned(),
-                    probability: suspect.probability,
-                    model: effect_names(&suspect.model),
-                    takes_away: per_series(records, suspect.takes_away.iter().copied()),
-                    validation_fit_percent: suspect.validation_fit_percent,
-                    parameters: own_parameters(parameters(&suspect.fit), suspect),
-                    rmse: per_series(records, suspect.rmse.iter().copied()),
-                    fingerprint: suspect.fingerprint.clone(),
+                .map(|suspect| {
+                    let (parameters, without_value) =
+                        own_parameters(session.problem(), parameters(&suspect.fit), suspect);
+                    SuspectEffect {
+                        effect: suspect.effect.name().to_owned(),
+                        probability: suspect.probability,
+                        model: effect_names(&suspect.model),
+                        takes_away: per_series(records, suspect.takes_away.iter().copied()),
+                        validation_fit_percent: suspect.validation_fit_percent,
+                        parameters,
+                        without_value,
+                        rmse: per_series(records, suspect.rmse.iter().copied()),
+                        fingerprint: suspect.fingerprint.clone(),
+                    }
                 })
                 .collect(),
             ambiguous_between: found
@@ -293,11 +299,28 @@ fn held_out(step: &Step) -> PerSeries {
         .collect()
 }
 
-/// The parameters that belong to the suspected effect.
-fn own_parameters(mut parameters: Vec<Parameter>, suspect: &Suspect) -> Vec<Parameter> {
+/// The parameters that belong to the suspected effect, and those of them that have no value by themselves.
+fn own_parameters(
+    problem: &FitProblem,
+    mut parameters: Vec<Parameter>,
+    suspect: &Suspect,
+) -> (Vec<Parameter>, Vec<ParameterWithoutValue>) {
     let own = suspect.effect.info().parameters;
     parameters.retain(|parameter| own.iter().any(|info| info.name == parameter.name));
-    parameters
+    let infos = suspect.fit.model.parameters();
+    let mut without = vec![];
+    for one in identify::without_value(problem, &suspect.fit) {
+        let name = infos[one.position].name;
+        let before = parameters.len();
+        parameters.retain(|parameter| parameter.name != name);
+        if parameters.len() < before {
+            without.push(ParameterWithoutValue {
+                name: name.to_owned(),
+                why: one.why,
+            });
+        }
+    }
+    (parameters, without)
 }
 
 fn names_of(effects: &[EffectId]) -> Vec<String> {
