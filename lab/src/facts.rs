@@ -268,11 +268,13 @@ pub fn diagnosis(bench: &OpenBench) -> Value {
             let text = with_uncertainty(one.value, one.std);
             format!("{} = {text} {}", one.name, one.unit)
         });
+        let without = suspect.without_value.iter();
+        let without = without.map(|one| format!("{}: {}", one.name, one.why));
         json!({
             "effect": suspect.effect,
             "probability": suspect.probability,
             "model": suspect.model,
-            "parameters": parameters.collect::<Vec<_>>(),
+            "parameters": parameters.chain(without).collect::<Vec<_>>(),
             "fingerprint": suspect.fingerprint,
             "takes_away": takes_away(&suspect.takes_away),
         })
