@@ -156,7 +156,7 @@ fn the_guides_text_for_simplefoc_gives_the_duties_of_the_loop() {
         came.extend(bytes);
         // What the sketch reads in one turn, on time: both then see the same before each step.
         let now: Vec<u8> = came.drain(..came.len().min(16)).collect();
-        let mut told = |firmware: &mut Firmware| {
+        let told = |firmware: &mut Firmware| {
             let answer = firmware.tick(1_000 * step, sample.as_ref(), &now);
             answer.expect("it runs")
         };
