@@ -139,9 +139,10 @@ mod tests {
             .windows(1.2696)
             .into_iter()
             .enumerate()
-            .map(|(index, samples)| Window {
-                samples,
-                nuisances: vec![index as f64, -1.0],
+            .map(|(index, samples)| {
+                let mut window = guess(&record, &[], samples);
+                window.nuisances[0] = index as f64;
+                window
             })
             .collect();
         record.window_s = 4.0 * 1.2696;
