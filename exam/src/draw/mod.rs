@@ -1,8 +1,9 @@
 //! The draw: the bench that belongs to a seed.
 //!
 //! Seeds below a million hide the effects of the exam's first list. Higher seeds also hide those of a second list
-//! (the lags and delays of sensors, among others), and from two million on those of a third. The suspects are the same for all seeds. Below a million,
-//! forty seeds are a round. In every round each effect of the list is hidden once alone and once in one of nine pairs,
+//! (the lags and delays of sensors, among others), and from two million on those of a third. The suspects are the same
+//! for all seeds. Below a million, forty seeds are a round. In every round each effect of the list is hidden once alone
+//! and once in one of nine pairs,
 //! each of the eight outsiders is hidden once, one effect is hidden and removed from the suspects, and four benches
 //! hide nothing. Everything else (parameters, experiments, noise, sizes, shapes) is drawn from the seed alone, and
 //! never depends on the diagnosis.

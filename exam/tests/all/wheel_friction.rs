@@ -85,22 +85,29 @@ fn stribeck(speed: f64) -> f64 {
     sliding + (rest - sliding) * (-(speed / falls).powi(2)).exp() + viscous * speed
 }
 
+/// The diagnosis of one log of a wheel with this friction, from rest: its length and its interval, s.
+fn diagnosed_start(
+    current: &dyn Fn(f64) -> f64,
+    (length_s, sample_s): (f64, f64),
+    seed: u64,
+) -> Diagnosis {
+    let wheel = Wheel {
+        inertia: 2.5e-4,
+        friction: &stribeck,
+        current,
+        noise: 0.1,
+    };
+    let log = wheel.log(current, (0.0, length_s, sample_s), seed);
+    diagnosed(log, Some(TORQUE_CONSTANT))
+}
+
 /// Up, and down to standstill: the curve is named with its parameters. Without this effect, a dead zone beside a motor
 /// lag, a cogging of three times the friction or a quadratic drag took its place.
 #[test]
 fn a_friction_that_falls_while_the_wheel_starts_is_named() {
     let current = |time: f64| if time < 4.0 { 0.4 } else { 0.0 };
     for (seed, sample_s) in [(1, 0.01), (2, 0.05)] {
-        let wheel = Wheel {
-            inertia: 2.5e-4,
-            friction: &stribeck,
-            current: &current,
-            noise: 0.1,
-        };
-        let found = diagnosed(
-            wheel.log(&current, (0.0, 12.0, sample_s), seed),
-            Some(TORQUE_CONSTANT),
-        );
+        let found = diagnosed_start(&current, (12.0, sample_s), seed);
         assert_eq!(found.verdict, Verdict::Explained, "seed {seed}");
         assert_eq!(
             set(&found),
@@ -125,16 +132,7 @@ fn a_friction_that_falls_while_the_wheel_starts_is_named() {
 fn the_start_of_a_single_spin_up_is_no_certain_motor_lag() {
     let current = |time: f64| if time < 0.5 { 0.0 } else { 0.4 };
     for (seed, sample_s) in [(1, 0.002), (2, 0.01), (3, 0.05)] {
-        let wheel = Wheel {
-            inertia: 2.5e-4,
-            friction: &stribeck,
-            current: &current,
-            noise: 0.1,
-        };
-        let found = diagnosed(
-            wheel.log(&current, (0.0, 6.0, sample_s), seed),
-            Some(TORQUE_CONSTANT),
-        );
+        let found = diagnosed_start(&current, (6.0, sample_s), seed);
         let certain = found.certain_effects();
         let is_wrong = certain
             .iter()
@@ -192,4 +190,15 @@ fn a_lag_that_no_motor_has_explains_nothing() {
     );
     let says = &found.next_experiment;
     assert!(says.contains("motor-lag would fit best"), "{says}");
+    // Its row says so, too, and claims no prediction.
+    let mut rows = found.suspects.iter();
+    let row = rows.find(|row| row.effect == EffectId::MotorLag);
+    let row = row.expect("it takes most of the error away");
+    assert!(
+        row.fingerprint
+            .contains("it explains nothing, because motor_lag = "),
+        "{}",
+        row.fingerprint
+    );
+    assert!(row.validation_fit_percent.is_nan());
 }

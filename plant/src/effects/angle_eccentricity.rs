@@ -39,14 +39,14 @@ impl Effect for AngleEccentricity {
             logarithmic: false,
             is_whole: false,
         }],
-        // An amplitude of 1 mrad, which is usual for encoders, with three phases a third of a turn
-        // apart.
         physical: &[PhysicalRange {
             parameter: 0,
             over: None,
             range: (0.0, 0.3),
             reason: "it is the displacement of the axis in radii of the disc",
         }],
+        // An amplitude of 1 mrad, which is usual for encoders, with three phases a third of a turn
+        // apart.
         starts: &[&[1e-3, 0.0], &[1e-3, 2.1], &[1e-3, -2.1]],
         absent: Some(&[0.0, 0.0]),
         confused_with: &["angle-offset"],

@@ -7,6 +7,13 @@ use crate::hiding::Hiding;
 use crate::physical::HOLDS_AT_REST;
 use crate::{Kind, Scalar};
 
+/// μ + (μ_s − μ) exp(−(v/v_s)²) at a speed v, for the parameters μ, μ_s, v_s; also that of the wheel's friction.
+#[inline(always)]
+pub(super) fn stribeck_level<S: Scalar>(p: &[S], speed_rad_s: S) -> S {
+    let ratio = speed_rad_s / p[2];
+    p[0] + (p[1] - p[0]) * (-(ratio * ratio)).exp()
+}
+
 /// (μ + (μ_s − μ) exp(−(α̇/v_s)²)) tanh(α̇/v₀)
 #[derive(Clone, Copy, Debug)]
 pub struct BodyStribeckFriction;
@@ -63,8 +70,6 @@ impl Effect for BodyStribeckFriction {
 
     #[inline(always)]
     fn torque<S: Scalar>(p: &[S], at: &Instant<S>, v0: &Smoothing) -> S {
-        let ratio = at.rate_rad_s / p[2];
-        let level = p[0] + (p[1] - p[0]) * (-(ratio * ratio)).exp();
-        level * (at.rate_rad_s * (1.0 / v0.body_rad_s)).tanh()
+        stribeck_level(p, at.rate_rad_s) * (at.rate_rad_s * (1.0 / v0.body_rad_s)).tanh()
     }
 }

@@ -1,5 +1,6 @@
 //! Stribeck friction of the wheel: more friction while the wheel hardly turns than at speed.
 
+use super::body_stribeck_friction::stribeck_level;
 use super::wheel_coulomb_friction::SLIDING_TORQUE;
 use crate::prior::{Commonness, Prior};
 use crate::effect::{Effect, EffectInfo, Instant, ParameterInfo, Role, Smoothing};
@@ -69,8 +70,6 @@ impl Effect for WheelStribeckFriction {
 
     #[inline(always)]
     fn torque<S: Scalar>(p: &[S], at: &Instant<S>, v0: &Smoothing) -> S {
-        let ratio = at.wheel_speed_rad_s / p[2];
-        let level = p[0] + (p[1] - p[0]) * (-(ratio * ratio)).exp();
-        level * (at.wheel_speed_rad_s * (1.0 / v0.wheel_rad_s)).tanh()
+        stribeck_level(p, at.wheel_speed_rad_s) * (at.wheel_speed_rad_s * (1.0 / v0.wheel_rad_s)).tanh()
     }
 }
