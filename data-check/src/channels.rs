@@ -435,6 +435,17 @@ fn time_stamps(view: &View, out: &mut Vec<Finding>) {
             "log the time at which the sample was taken, and take the samples in a timer's interrupt; the fit goes on with the noise as it is",
         );
     }
+    if let Some(times) = view.record.step_times {
+        say(
+            format!(
+                "the command changed between the rows: {} ms before the row that shows it on average over {} steps, with a scatter of {} ms",
+                short(1e3 * times.earlier_s),
+                times.steps,
+                short(1e3 * times.scatter_s)
+            ),
+            "write a row in every cycle in which the command changes; the fit goes on with each instant as an unknown",
+        );
+    }
     let mut steps: Vec<f64> = view
         .experiment
         .log

@@ -60,7 +60,7 @@ pub use model::{
 };
 pub use per_log::PerLog;
 pub use physical::PhysicalRange;
-pub use plant::{Current, Drive, Late, Plant, State};
+pub use plant::{Current, Drive, EarlyStep, Late, Plant, State};
 pub use prior::{Commonness, Prior};
 pub use reading::{Output, Reading};
 pub use scalar::{Dual, Scalar};

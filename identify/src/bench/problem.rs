@@ -9,7 +9,7 @@ use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_I
 use super::error::IdentifyError;
 use super::toothed::Toothed;
 use crate::fit::{base_values, ratios};
-use crate::records::{BALANCE_WINDOW_S, Output, Record, RecordedCurrent};
+use crate::records::{BALANCE_WINDOW_S, Output, Record, RecordedCurrent, join_early_steps};
 use crate::residuals::{PushModel, find_disturbances, leave_out};
 
 /// A bench prepared for fits: its records, and the values that are given.
@@ -83,6 +83,8 @@ impl FitProblem {
         if records.is_empty() {
             return Err(IdentifyError::NoExperiments);
         }
+        let mut records = records;
+        join_early_steps(&mut records);
         let coupled = records.iter().any(|record| {
             matches!(record.kind, Kind::Balance | Kind::Driven)
                 && !matches!(record.current, RecordedCurrent::Unknown)

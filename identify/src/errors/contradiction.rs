@@ -297,12 +297,21 @@ impl<'a> Statistics<'a> {
 
     /// Whether a record tells something of an unknown that others can contradict. Where logs are read by their teeth, their
     /// angles were turned until these lie where those of the others do, up to some tenths of a radian of their phase. A log
-    /// of the same bench that does not show its teeth begins at a tooth that nobody knows.
+    /// of the same bench that does not show its teeth begins at a tooth that nobody knows, and so does any log in which
+    /// nobody measured the wheel's angle: its phase belongs to the log, and at the phase of the others its torque says nothing.
     fn tells(&self, record: usize, unknown: usize) -> bool {
-        let by_teeth = self.records.iter().any(|record| record.teeth.is_some());
-        let shows_teeth = self.records[record].teeth.is_some();
         let is_open = match self.of_ripple[unknown] {
-            Some(is_phase) => by_teeth && (is_phase || !shows_teeth),
+            Some(is_phase) => {
+                let own = self.records[record];
+                let shows_teeth = own.teeth.is_some();
+                let is_measured = own.wheel_angle_noise_rad().is_some();
+                let by_teeth = self.records.iter().any(|record| record.teeth.is_some());
+                if by_teeth {
+                    is_phase || !shows_teeth
+                } else {
+                    !is_measured
+                }
+            }
             None => false,
         };
         !is_open && self.promised[record].information[(unknown, unknown)] > 0.0

@@ -49,6 +49,7 @@ pub use schedule::{fit_from_scratch, fit_windowed, refit};
 pub use score_test::{KnownScore, RecordScore, ScoreStep, ScoreTest, score_test};
 pub(crate) use sensitivity::counts;
 pub use sensitivity::{MAX_UNKNOWNS, Observation, WindowNormal, normal, normal_observed};
+pub(crate) use simulation::early_steps;
 pub use simulation::{simulate, simulate_smoothed};
 pub use solver::{Minimum, cost, minimise};
 pub(crate) use start::driving_samples;

@@ -35,7 +35,8 @@ impl Lanes<'_> {
         let nuisances = Nuisance::of(record).into_iter().zip(&window.nuisances);
         let nuisances = nuisances
             .enumerate()
-            .filter_map(|(index, (local, _))| local.acts_on(model).then_some(index))
+            .filter(|(_, (local, _))| local.acts_on(model) && local.lies_in(record, window))
+            .map(|(index, _)| index)
             .collect();
         Lanes { globals, nuisances }
     }

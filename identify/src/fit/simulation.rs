@@ -1,7 +1,7 @@
 //! The simulation of one window of a log. Its start comes from the window's nuisance parameters, and from what the log
 //! says about the time before the window.
 
-use plant::{Current, Model, Plant, Reading, Scalar, Smoothing, State};
+use plant::{Current, EarlyStep, Model, Plant, Reading, Scalar, Smoothing, State};
 
 use super::unknowns::{Nuisance, Window};
 use crate::records::{Record, RecordedCurrent};
@@ -18,6 +18,49 @@ struct Start<S> {
     motion_before: S,
 }
 
+/// The steps of the command within a window whose instants are unknowns of the fit, when they came. `values` are the
+/// window's nuisance parameters.
+pub(crate) fn early_steps<S: Scalar>(
+    record: &Record,
+    window: &Window,
+    values: &[S],
+) -> Vec<EarlyStep<S>> {
+    let mut steps = vec![];
+    if record.unknown_steps.is_empty() {
+        return steps;
+    }
+    for (local, &value) in Nuisance::of(record).iter().zip(values) {
+        let Nuisance::EarlyStep(at) = *local else {
+            continue;
+        };
+        if local.lies_in(record, window) {
+            let step = &record.unknown_steps[at];
+            steps.push(EarlyStep {
+                sample_s: step.sample_s,
+                change_a: step.change_a,
+                earlier_s: share_of_interval(value) * (step.interval_s + 2.0 * step.margin_s)
+                    - step.margin_s,
+            });
+        }
+    }
+    steps
+}
+
+/// The share of an interval before a quantile `z` of the standard normal distribution: every instant of the interval is
+/// then as likely as any other, and none lies outside. The logistic curve is within 0.01 of the distribution function
+/// (Bowling et al. 2009).
+fn share_of_interval<S: Scalar>(z: S) -> S {
+    S::constant(1.0) / (S::constant(1.0) + (z * -STEEPNESS).exp())
+}
+
+/// The quantile whose [`share_of_interval`] this is; `share` lies between 0 and 1.
+pub(super) fn quantile_of(share: f64) -> f64 {
+    (share / (1.0 - share)).ln() / STEEPNESS
+}
+
+/// See [`share_of_interval`].
+const STEEPNESS: f64 = 1.702;
+
 fn start_of<S: Scalar>(nuisances: &[Nuisance], values: &[S]) -> Start<S> {
     let mut state = State::rest();
     let mut current = S::zero();
@@ -31,6 +74,7 @@ fn start_of<S: Scalar>(nuisances: &[Nuisance], values: &[S]) -> Start<S> {
             Nuisance::Current => current = value,
             Nuisance::AngleZero => angle_zero = value,
             Nuisance::WheelAngle => state.wheel_angle_rad = value,
+            Nuisance::EarlyStep(_) => {}
             Nuisance::PastMotion => motion_before = value,
             Nuisance::PastCurrent => state.current_a = value,
         }
@@ -118,7 +162,9 @@ pub(super) fn run<S: Scalar>(
     each: &mut EachSample<S>,
 ) {
     let start = start_of(&Nuisance::of(record), nuisances);
-    let plant = plant_of(record, model, values, smoothing).with_motion_before(start.motion_before);
+    let plant = plant_of(record, model, values, smoothing)
+        .with_motion_before(start.motion_before)
+        .with_early_steps(early_steps(record, window, nuisances));
     let (held, angle_zero) = (start.held_a, start.angle_zero);
     let start = with_memory(record, window, model, &plant, start.state);
     plant.run(

@@ -11,7 +11,7 @@ use plant::{GRAVITY_TORQUE, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA
 use super::effort::{Effort, Outcome, within_pace};
 use super::normal_equations::{Damping, UNDAMPED, assemble, reduce, solve};
 use super::sensitivity::window_cost;
-use super::unknowns::{Unknowns, Window, is_of_wheel, relevant};
+use super::unknowns::{Nuisance, Unknowns, Window, is_of_wheel, relevant};
 use crate::learned::penalty_of;
 use crate::records::Record;
 
@@ -157,9 +157,13 @@ pub fn minimise(
         // The windows' own steps follow from the step that is really taken.
         let mut next_windows = windows.clone();
         let mut promised = taken.dot(&reduced.gradient);
-        for ((list, eliminated), globals) in
-            next_windows.iter_mut().zip(&reduced.windows).zip(&globals)
+        for (((list, eliminated), globals), record) in next_windows
+            .iter_mut()
+            .zip(&reduced.windows)
+            .zip(&globals)
+            .zip(records)
         {
+            let kinds = Nuisance::of(record);
             let shared = DVector::from_fn(globals.len(), |row, _| taken[globals[row]]);
             for (window, eliminated) in list.iter_mut().zip(eliminated) {
                 let Some(eliminated) = eliminated else {
@@ -173,7 +177,9 @@ pub fn minimise(
                     .gradient
                     .dot(&eliminated.inverse.solve(&eliminated.gradient));
                 for (&local, change) in eliminated.nuisances.iter().zip(own.iter()) {
-                    window.nuisances[local] += change;
+                    let value = window.nuisances[local] + change;
+                    let most = kinds[local].most();
+                    window.nuisances[local] = value.clamp(-most, most);
                 }
             }
         }

@@ -10,7 +10,7 @@
 use nalgebra::{SMatrix, SVector};
 use plant::{Drive, Dual, Model, Output, Scalar, Smoothing, State};
 
-use super::simulation::{plant_of, simulate};
+use super::simulation::{early_steps, plant_of, simulate};
 use super::unknowns::Window;
 use crate::records::{Record, RecordedCurrent};
 
@@ -80,7 +80,13 @@ pub fn transitions_backwards(
         states.push(*state);
     });
     let constants: Vec<Numbers> = values.iter().map(|&value| Dual::constant(value)).collect();
-    let plant = plant_of(record, model, &constants, Smoothing::SIMULATION);
+    let starts: Vec<Numbers> = window
+        .nuisances
+        .iter()
+        .map(|&value| Dual::constant(value))
+        .collect();
+    let plant = plant_of(record, model, &constants, Smoothing::SIMULATION)
+        .with_early_steps(early_steps(record, window, &starts));
     let before_a = input.first().map_or(0.0, |(_, first_a)| first_a);
     let before_a = Dual::constant(before_a);
     for (k, pair) in window.samples.clone().zip(states.windows(2)).rev() {

@@ -22,6 +22,10 @@ pub enum Nuisance {
     /// Wheel angle at the start, relative to the measured one, or else to the integral of the measured wheel speed, rad. The
     /// integrated noise is a random walk, so a window in the middle of such a log does not know the wheel's angle exactly.
     WheelAngle,
+    /// The instant at which the command made the step with this place among [`Record::unknown_steps`], as a quantile of the
+    /// standard normal distribution: 0 in the middle of the interval between its sample and the one before, positive
+    /// earlier.
+    EarlyStep(usize),
     /// The share of its motion that the model had before the log began ([`plant::Plant::with_motion_before`]): a sensor
     /// with a delay shows it in the log. Only the window with the first sample has it.
     PastMotion,
@@ -57,6 +61,7 @@ impl Nuisance {
         if loses_turns && measures(Output::WheelSpeed) {
             nuisances.push(Nuisance::WheelAngle);
         }
+        nuisances.extend((0..record.unknown_steps.len()).map(Nuisance::EarlyStep));
         nuisances.push(Nuisance::PastMotion);
         let is_commanded = matches!(record.current, RecordedCurrent::Known(_));
         if record.kind != Kind::FreeSwing && is_commanded && !record.current_is_measured {
@@ -82,6 +87,26 @@ impl Nuisance {
         }
     }
 
+    /// Whether it can show in a window: a step of the command that the window does not contain cannot.
+    pub(crate) fn lies_in(self, record: &Record, window: &Window) -> bool {
+        let Nuisance::EarlyStep(at) = self else {
+            return true;
+        };
+        let step = &record.unknown_steps[at];
+        let times = &record.time_s[window.samples.clone()];
+        let ends = times.first().zip(times.last());
+        ends.is_some_and(|(first, last)| *first < step.sample_s && step.sample_s <= *last)
+    }
+
+    /// Largest magnitude that a fit tries: a quantile of a thousandth, beyond which an instant hardly moves and a step of the
+    /// fit could not bring it back.
+    pub(super) fn most(self) -> f64 {
+        match self {
+            Nuisance::EarlyStep(_) => 4.0,
+            _ => f64::INFINITY,
+        }
+    }
+
     /// Prior standard deviation of this nuisance parameter, in its own unit, for a window that begins at the sample
     /// `first`; `None` if it has no prior.
     pub fn prior_std(self, record: &Record, first: usize) -> Option<f64> {
@@ -97,6 +122,7 @@ impl Nuisance {
                 // At the first sample the angle is zero by definition.
                 Some((noise * span_s / steps.sqrt()).max(LEAST_WHEEL_ANGLE_STD_RAD))
             }
+            Nuisance::EarlyStep(_) => Some(1.0),
             // Held still or moving on: both are usual.
             Nuisance::PastMotion => Some(1.0),
             Nuisance::PastCurrent => {

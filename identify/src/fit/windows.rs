@@ -2,6 +2,7 @@
 
 use plant::{TORQUE_CONSTANT, WHEEL_INERTIA};
 
+use super::simulation::quantile_of;
 use super::unknowns::{Nuisance, Window};
 use crate::records::{Output, Record, StraightLine, angle_samples};
 
@@ -39,6 +40,7 @@ pub(crate) fn guess(record: &Record, values: &[f64], samples: std::ops::Range<us
             | Nuisance::WheelAngle
             | Nuisance::PastMotion
             | Nuisance::PastCurrent => 0.0,
+            Nuisance::EarlyStep(at) => quantile_of(record.unknown_steps[*at].guess),
             Nuisance::Current => {
                 let torque_per_ampere = values[TORQUE_CONSTANT];
                 let inertia = values[WHEEL_INERTIA];

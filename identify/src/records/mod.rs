@@ -4,6 +4,7 @@ mod angle;
 mod averages;
 mod before;
 mod charge;
+mod early_steps;
 mod jitter;
 mod noise;
 mod past;
@@ -14,6 +15,8 @@ mod weak_form;
 
 pub use angle::angle_samples;
 pub(crate) use averages::{blocks, means};
+pub(crate) use early_steps::join_early_steps;
+pub use early_steps::{StepTimes, UnknownStep};
 pub(crate) use noise::{NOISE_RELATIVE_STD_ROOT_N, NoiseEstimate, noise_by_differences};
 pub use noise::{input_noise_std, noise_std, resolution};
 pub(crate) use record::ToothStart;

@@ -5,6 +5,7 @@ use bench_files::{CurrentMeaning, Experiment, Note};
 pub use plant::Output;
 use plant::{Hold, Input, Kind};
 
+use super::early_steps::{Instant, StepTimes, UnknownStep};
 use super::noise::{least_noise_std, noise_by_differences, resolution, steps_of_command};
 use super::past::Past;
 
@@ -109,6 +110,12 @@ pub struct Record {
     pub passes_over_the_top: bool,
     /// Standard deviation in s by which the times of the samples are off at random, if that makes a part of their noise.
     pub clock_jitter_s: Option<f64>,
+    /// What the motion says about the instants at which the commands changed, where they lie between the samples.
+    pub step_times: Option<StepTimes>,
+    /// The steps of the command whose instants are unknowns of the fit, in the order of time.
+    pub unknown_steps: Vec<UnknownStep>,
+    /// When the steps came, where the motion shows it.
+    pub(super) instants: Vec<Instant>,
     /// How many samples of the recorded log each sample here is the average of; 1 for a log as recorded.
     pub averaged_over: usize,
     /// The wheel angles of [`Record::wheel_angles`], if they were measured, or if more samples were available than this
@@ -129,7 +136,8 @@ pub(super) fn mean(samples: &[f64]) -> f64 {
 
 impl Record {
     /// Prepares a record from samples in SI units. `angle`, `rate` and `wheel_speed` may be missing; those that this kind
-    /// of experiment holds still are ignored. Where the clock jitters, the noise contains what that makes of the motion.
+    /// of experiment holds still are ignored. Where the clock jitters, the noise contains what that makes of the motion. Where
+    /// the commands changed between samples, their instants become unknowns.
     pub fn new(
         name: &str,
         kind: Kind,
@@ -141,6 +149,7 @@ impl Record {
         let mut record =
             Record::of_samples(name, kind, time_s, outputs, current_a, current_is_measured);
         record.find_jitter();
+        record.find_early_steps();
         record
     }
 
@@ -201,6 +210,9 @@ impl Record {
             },
             passes_over_the_top,
             clock_jitter_s: None,
+            step_times: None,
+            unknown_steps: vec![],
+            instants: vec![],
             averaged_over: 1,
             turned_rad: None,
             turned_noise_rad: None,

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use plant::Output;
 
 use super::averages::{blocks, means, middles};
+use super::early_steps::UnknownStep;
 use super::record::{Record, RecordedCurrent, mean};
 
 impl Record {
@@ -32,6 +33,7 @@ impl Record {
                 thin.current_a = means.map(mean).collect();
             }
             thin.current = RecordedCurrent::Known(input.clone());
+            thin.unknown_steps = self.unknown_steps.clone();
         }
         thin
     }
@@ -56,6 +58,8 @@ impl Record {
         );
         if let (RecordedCurrent::Known(input), false) = (&self.current, self.current_a.is_empty()) {
             averaged.current = RecordedCurrent::Known(input.clone());
+            averaged.step_times = self.step_times;
+            averaged.unknown_steps = self.unknown_steps.clone();
         }
         if self.channel(Output::WheelSpeed).is_some() {
             averaged.turned_rad = Some(means(self.wheel_angles(), &blocks));
@@ -93,6 +97,28 @@ impl Record {
         part.teeth = self.teeth;
         part.averaged_over = self.averaged_over;
         part.clock_jitter_s = self.clock_jitter_s;
+        part.step_times = self.step_times;
+        for step in &self.unknown_steps {
+            // The first sample of this part that shows the step.
+            let at = part
+                .time_s
+                .partition_point(|&time_s| time_s < step.sample_s);
+            let (Some(&sample_s), Some(&before_s)) =
+                (part.time_s.get(at), part.time_s.get(at.wrapping_sub(1)))
+            else {
+                continue;
+            };
+            match part.unknown_steps.last_mut() {
+                Some(last) if last.sample_s == sample_s => last.change_a += step.change_a,
+                _ => part.unknown_steps.push(UnknownStep {
+                    sample_s,
+                    change_a: step.change_a,
+                    interval_s: sample_s - before_s,
+                    margin_s: step.margin_s,
+                    guess: 0.5,
+                }),
+            }
+        }
         part
     }
 }

@@ -7,6 +7,7 @@ mod coarse;
 mod common;
 mod contradiction;
 mod correlation;
+mod early_steps;
 mod learned;
 mod left_out;
 mod neighbour;

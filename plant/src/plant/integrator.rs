@@ -289,7 +289,12 @@ impl<S: Scalar> Plant<S> {
                 _ => None,
             };
             let mut from = time_s[k];
-            for to in change.into_iter().chain(steps).chain([time_s[k + 1]]) {
+            // Nothing is allocated where there is no cut, as in nearly all intervals.
+            let mut cuts: Vec<f64> = change.into_iter().chain(steps).collect();
+            if !self.early_steps.is_empty() {
+                self.cut_at_early_steps(&mut cuts, time_s[k], time_s[k + 1]);
+            }
+            for to in cuts.into_iter().chain([time_s[k + 1]]) {
                 let drive = Drive {
                     current_a: match current {
                         Current::Recorded(input) => self.command(input, (from, to), before_a, k),

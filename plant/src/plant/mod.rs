@@ -10,10 +10,12 @@
 //! An unbalanced wheel couples the accelerations once more ([`Unbalance`]).
 //!
 //! This file holds the one right-hand side. `assembly` puts a plant together and says how long its steps may be,
-//! `motor` is the chain from command to current, `integrator` follows the motion, `late` are the sensors with a lag
+//! `motor` is the chain from command to current, `early_step` a command that changed between two samples, `integrator`
+//! follows the motion, `late` are the sensors with a lag
 //! or a delay.
 
 mod assembly;
+mod early_step;
 mod integrator;
 mod late;
 mod motor;
@@ -24,6 +26,7 @@ use crate::effect::{Instant, Smoothing, Unbalance};
 use crate::model::{GRAVITY_TORQUE, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
 use crate::{Kind, Model, Reading, Scalar, Timing};
 
+pub use early_step::EarlyStep;
 pub use integrator::{Current, Drive};
 pub use late::Late;
 
@@ -76,6 +79,8 @@ pub struct Plant<S> {
     delay_s: Option<S>,
     /// The share of its motion that the model had before a log began ([`Plant::with_motion_before`]).
     motion_before: S,
+    /// In the order of time ([`Plant::with_early_steps`]).
+    early_steps: Vec<EarlyStep<S>>,
 }
 
 impl<S: Scalar> Plant<S> {
@@ -111,6 +116,7 @@ impl<S: Scalar> Plant<S> {
             lag_s: timed(Timing::Lag),
             delay_s: timed(Timing::Delay),
             motion_before: S::zero(),
+            early_steps: vec![],
             values: values.to_vec(),
             structure,
         }

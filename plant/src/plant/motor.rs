@@ -58,7 +58,10 @@ impl<S: Scalar> Plant<S> {
         before_a: S,
         hint: usize,
     ) -> S {
-        let mean = input.mean(from_s, to_s, self.delay_s, hint);
+        let mut mean = input.mean(from_s, to_s, self.delay_s, hint);
+        if !self.early_steps.is_empty() {
+            mean += self.of_early_steps(from_s, to_s);
+        }
         let (Some(delay), Some((first_s, first_a))) = (self.delay_s, input.first()) else {
             return mean;
         };

@@ -1,5 +1,6 @@
 //! Tests of the public interface of the crate.
 
+mod early_step;
 mod late;
 mod motion;
 mod motor;

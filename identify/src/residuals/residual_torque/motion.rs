@@ -4,7 +4,7 @@ use plant::{Current, Kind, Model, Plant, State, period_s};
 
 use super::undo::undone;
 
-use crate::fit::{Nuisance, Window, simulate};
+use crate::fit::{Nuisance, Window, early_steps, simulate};
 use crate::records::{Bump, Output, Record, RecordedCurrent, angle_samples, dot, half_samples};
 
 /// Length, in periods of the pendulum, over which the drift of an integrated rate is averaged.
@@ -286,6 +286,9 @@ fn add_current(
     } else {
         plant.clone()
     };
+    let steps = windows.iter();
+    let steps = steps.flat_map(|window| early_steps(record, window, &window.nuisances));
+    let plant = plant.with_early_steps(steps.collect());
     let held = |k: usize| -> f64 {
         let index = nuisances
             .iter()
