@@ -141,8 +141,10 @@ pub(crate) fn statements(problem: &FitProblem, fit: &Fit) -> Vec<String> {
             ));
             continue;
         }
+        if !is_open {
+            continue;
+        }
         match fit.std(position) {
-            Some(std) if std < OPEN_RELATIVE_STD * value.abs() => {}
             Some(std) => out.push(format!(
                 "{} = {} {} cannot be distinguished from zero with these logs",
                 info.name,

@@ -43,7 +43,7 @@ const INERTIAL: [Key; 8] = [
     key(
         "axes",
         "",
-        "[\"x\", \"y\", \"z\"]",
+        "none; `generate` asks for it, unless `flywheel calibrate` has found the mounting",
         "axes = [\"y\", \"-x\", \"z\"]",
         "the body axis that each sensor axis shows; \"-y\" is reversed. Body x runs from the pivot to the centre of mass, z along the pivot",
     ),

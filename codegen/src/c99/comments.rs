@@ -24,13 +24,27 @@ pub fn lines(attributes: &[Attribute]) -> Vec<String> {
     lines
 }
 
-/// A line of documentation without Rust's links and without characters that would end a C comment.
+/// What documentation names, as Rust and as C call it.
+const NAMES: [(&str, &str); 6] = [
+    ("`status()`", "`flywheel_status`"),
+    ("`Running`", "`FLYWHEEL_RUNNING`"),
+    ("`CURRENT_LIMIT`", "`FLYWHEEL_CURRENT_LIMIT`"),
+    ("`madgwick::COMPONENT_MAX`", "`MADGWICK_COMPONENT_MAX`"),
+    ("`COMPONENT_MAX`", "`MADGWICK_COMPONENT_MAX`"),
+    ("`FIRST_UNIT`", "`SUPERVISOR_FIRST_UNIT`"),
+];
+
+/// A line of documentation with C's names, without Rust's links and without characters that would end a C comment.
 fn plain(line: &str) -> String {
-    line.replace("[`", "`")
+    let plain = line
+        .replace("[`", "`")
         .replace("`]", "`")
         .replace("*/", "* /")
         .replace("super::", "")
-        .replace("Controller::", "flywheel_")
+        .replace("Controller::", "flywheel_");
+    NAMES
+        .iter()
+        .fold(plain, |line, (rust, c)| line.replace(rust, c))
 }
 
 /// A comment before a declaration; empty if there is no documentation.
@@ -46,5 +60,24 @@ pub fn before(lines: &[String], indent: &str) -> String {
             }
             text + &format!("{indent} */\n")
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::plain;
+
+    #[test]
+    fn what_c_calls_otherwise_has_its_name_of_c() {
+        assert_eq!(
+            plain(
+                "[`Controller::step`] while `status()` is not `Running`, within ±`CURRENT_LIMIT`"
+            ),
+            "`flywheel_step` while `flywheel_status` is not `FLYWHEEL_RUNNING`, within ±`FLYWHEEL_CURRENT_LIMIT`"
+        );
+        assert_eq!(
+            plain("`madgwick::COMPONENT_MAX` and `FIRST_UNIT`"),
+            "`MADGWICK_COMPONENT_MAX` and `SUPERVISOR_FIRST_UNIT`"
+        );
     }
 }

@@ -141,3 +141,48 @@ fn the_sketch_links_with_arduinos_avr_core() {
         }
     }
 }
+
+/// A sketch whose tables fill an Uno is refused with the board that has room, which links it; not with the linker's words.
+#[test]
+#[cfg_attr(
+    not(all(have_arduino_avr, have_cross_gcc)),
+    ignore = "needs the AVR core of Arduino"
+)]
+fn an_image_that_an_uno_cannot_hold_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let emitted = generate(&thesis::spec()).expect("an emitted crate");
+    let library = c99::emit(&emitted).expect("a translation");
+    library.write(folder.path()).expect("written");
+    let example = library.file("examples/flywheel/flywheel.ino");
+    let example = example.expect("the sketch");
+    let target = folder.path().join("target");
+    let linked = |options: &[&str], table_bytes: usize| {
+        let sketch = folder.path().join("large.ino");
+        let table = format!("const uint8_t TABLE[{table_bytes}] PROGMEM = {{1}};\n");
+        let begins = "void setup() {\n";
+        let uses =
+            format!("{table}{begins}  OCR1B = pgm_read_byte(TABLE + micros() % {table_bytes});\n");
+        std::fs::write(&sketch, example.replace(begins, &uses)).expect("written");
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware/arduino-link");
+        let result = Command::new(script)
+            .args(options)
+            .arg(folder.path())
+            .arg(&sketch)
+            .env("ARDUINO_AVR", CORE)
+            .env("ARDUINO_TARGET", &target)
+            .output()
+            .expect("the script starts");
+        let said = String::from_utf8_lossy(&result.stderr).into_owned();
+        (result.status.code(), said)
+    };
+    // More than the chip has.
+    let (code, said) = linked(&[], 20_000);
+    assert_eq!(code, Some(1), "{said}");
+    assert!(
+        said.starts_with("error: the image does not fit into the Uno (more than the chip has by")
+            && said.contains("--mega"),
+        "{said}"
+    );
+    let (code, said) = linked(&["--mega"], 20_000);
+    assert_eq!((code, said.as_str()), (Some(0), ""));
+}

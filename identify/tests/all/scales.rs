@@ -196,3 +196,23 @@ fn a_coast_down_gives_no_current_without_the_torque_constant_and_the_inertia() {
         "{value} ± {std}"
     );
 }
+
+/// Without a known torque the amplitude of the cogging is per unit of the wheel's inertia, and its order and phase, which
+/// are no torques, keep their units.
+#[test]
+fn teeth_have_no_unit_and_their_torque_is_per_unit_of_inertia() {
+    let spin_up = spin_up("spin-up", &|_| 0.5, 1.0);
+    let records = vec![log(&Physics::base(), &spin_up, 2609)];
+    let model = Model::base().with(EffectId::WheelCogging);
+    let units = |known: [Option<f64>; 4]| {
+        let problem =
+            FitProblem::from_records(records.clone(), known, Default::default()).expect("records");
+        ["cogging_torque", "cogging_order", "cogging_phase"].map(|name| {
+            let position = model.position_of(name).expect("a parameter");
+            problem.unit(&model, position)
+        })
+    };
+    assert_eq!(units([None; 4]), ["N m per kg m2", "1", "rad"]);
+    let torque_constant = [None, None, None, Some(VALUES[3])];
+    assert_eq!(units(torque_constant), ["N m", "1", "rad"]);
+}

@@ -83,7 +83,7 @@ impl Work<'_> {
             )
         } else {
             self.registers
-                .push("magnetometer: not stated; None in every sample".to_owned());
+                .push("magnetometer: not stated, and in no sample".to_owned());
             Some((thesis.mag, thesis.mag_clip))
         };
         let turns = self.turns(gyroscope, accelerometer, magnetometer);

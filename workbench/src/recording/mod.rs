@@ -77,7 +77,7 @@ pub struct RecordedLog {
     pub duration_s: f64,
     /// Frames that the firmware sent in that time and that did not arrive whole.
     pub lost_frames: u64,
-    /// Number of damaged frames: sequences of bytes between two ends of frames that were no valid frame.
+    /// Number of damaged frames in that time: sequences of bytes between two ends of frames that were no valid frame.
     pub damaged_frames: u64,
     /// Time in the log at which the experiment begins (`from`), s.
     pub from_s: Option<f64>,
@@ -95,7 +95,8 @@ const ROWS_MIN: usize = bench_files::MIN_SAMPLES;
 ///
 /// # Errors
 /// A bench.toml that cannot be read, hardware that is not stated ([`Error::Hardware`]), a port that
-/// cannot be opened or is silent, a controller that does not arm ([`Error::Record`]).
+/// cannot be opened or is silent, a controller that does not arm ([`Error::Record`]). After the first log of several, a note
+/// of the last log says it instead.
 pub fn record(
     bench: &Path,
     settings: &RecordSettings,
@@ -111,15 +112,16 @@ pub fn record(
     bench_files::can_write_into(&outline.folder)?;
     let line = Line::open(&settings.port, settings.baud)?;
     let mut run = Run::new(line, &words, settings.every);
-    let mut logs = Vec::new();
-    for part in &parts {
+    let mut logs: Vec<RecordedLog> = Vec::new();
+    for (index, part) in parts.iter().enumerate() {
         let got = run.part(part, progress, sample);
         run.let_go();
         let got = match got {
             Ok(got) => got,
-            // The logs that were recorded before the error are kept.
-            Err(error) if logs.is_empty() => return Err(error),
-            Err(_) => break,
+            Err(error) => {
+                not_recorded(&mut logs, &parts[index..], error)?;
+                break;
+            }
         };
         let is_called_off = got.end == RecordEnd::CalledOff;
         if got.rows.len() < ROWS_MIN {
@@ -129,14 +131,16 @@ pub fn record(
             if is_called_off {
                 progress.check()?;
             }
-            return Err(Error::Record {
+            let error = Error::Record {
                 port: settings.port.clone(),
                 reason: format!(
                     "only {} frames came, fewer than the {ROWS_MIN} that a log needs: nothing was written ({})",
                     got.rows.len(),
                     got.end
                 ),
-            });
+            };
+            not_recorded(&mut logs, &parts[index..], error)?;
+            break;
         }
         logs.push(kept(&mut outline, part, &words, got)?);
         if is_called_off {
@@ -147,6 +151,18 @@ pub fn record(
         bench: outline.file,
         logs,
     })
+}
+
+/// The logs that were recorded before an error are kept: the last of them says which ones are missing, and why. Where there
+/// is none, the error is that of the whole record.
+fn not_recorded(logs: &mut [RecordedLog], missing: &[Part], error: Error) -> Result<(), Error> {
+    let Some(last) = logs.last_mut() else {
+        return Err(error);
+    };
+    let names: Vec<&str> = missing.iter().map(|part| part.name.as_str()).collect();
+    last.notes
+        .push(format!("not recorded: {} ({error})", names.join(", ")));
+    Ok(())
 }
 
 /// Writes a log and its entry.

@@ -26,6 +26,8 @@ const REST_PATIENCE: Duration = Duration::from_secs(180);
 /// A wheel slower than this (rad/s) counts as at rest. The fit of a spin-up estimates the wheel's speed at the first
 /// sample, so the log need not begin at exactly zero.
 const REST_RAD_S: f64 = 10.0;
+/// Time after which a command counts as in force though no two frames came at its pace: a line may lose most of them.
+const SETTLING: Duration = Duration::from_secs(1);
 /// If the time stamps of two frames differ by more than this, in µs, the firmware has restarted.
 const RESTART_US: u32 = 10_000_000;
 
@@ -166,7 +168,6 @@ impl<'w> Run<'w> {
         progress: &Progress,
         sample: &mut dyn FnMut(&RecordedSample),
     ) -> Result<Wanted, Error> {
-        let damaged = self.line.damaged;
         self.heard = Instant::now();
         let mut got = Wanted {
             rows: Vec::new(),
@@ -177,9 +178,11 @@ impl<'w> Run<'w> {
             return Ok(got);
         }
         if let Some(first) = self.until_begun(part, progress, sample)? {
+            // What came before the first row, such as the rest of a frame or the text of a boot loader, is none of the log's.
+            let damaged = self.line.damaged;
             got.end = self.rows(part, first, progress, sample, &mut got.rows)?;
+            got.damaged = self.line.damaged - damaged;
         }
-        got.damaged = self.line.damaged - damaged;
         Ok(got)
     }
 
@@ -236,11 +239,11 @@ impl<'w> Run<'w> {
     }
 
     fn silent(&self) -> Error {
-        self.line.broken(match self.line.damaged {
-            0 => {
+        self.line.broken(match self.line.has_damage() {
+            false => {
                 "no byte that ends a frame came: is this the firmware's port, and does the firmware run?"
             }
-            _ => "bytes came, but no whole frame: is --baud the firmware's?",
+            true => "bytes came, but no whole frame: is --baud the firmware's?",
         })
     }
 
@@ -289,7 +292,9 @@ impl<'w> Run<'w> {
         self.ask(Task::Watch, true);
         let began = Instant::now();
         let mut status = NOT_ALIGNED;
-        let mut last_us = None;
+        let mut last = None;
+        let mut commanded = began;
+        let mut is_in_force = false;
         while began.elapsed() < PATIENCE {
             if (progress.cancelled)() {
                 return Ok(None);
@@ -301,13 +306,22 @@ impl<'w> Run<'w> {
                 continue;
             };
             sample(&self.in_si(&frame, None));
-            let before_us = last_us.replace(frame.time_us);
+            let before: Option<Telemetry> = last.replace(frame);
             // Opening the port restarts some boards.
-            if before_us.is_none_or(|before| frame.time_us.wrapping_sub(before) > RESTART_US) {
+            let Some(before) =
+                before.filter(|one| frame.time_us.wrapping_sub(one.time_us) <= RESTART_US)
+            else {
                 self.begin(part.stretches[0].task)?;
+                (commanded, is_in_force) = (Instant::now(), false);
+                continue;
+            };
+            status = frame.status;
+            // The first frames may still come at the pace of an earlier command: nothing is lost between them.
+            let steps = frame.sequence.wrapping_sub(before.sequence);
+            is_in_force |= steps == u16::from(self.every) || commanded.elapsed() > SETTLING;
+            if !is_in_force {
                 continue;
             }
-            status = frame.status;
             // An encoder on the pivot shows the angle from its first count on, in every position of the body.
             let is_known = status != NOT_ALIGNED || self.words.has_pivot_encoder;
             let is_begun =
@@ -343,7 +357,8 @@ impl<'w> Run<'w> {
         loop {
             if let Some(frame) = next {
                 let step_us = frame.time_us.wrapping_sub(last.time_us);
-                if step_us > RESTART_US {
+                let is_repeated = step_us > RESTART_US && is_one_of(rows, &frame);
+                if step_us > RESTART_US && !is_repeated {
                     return Ok(RecordEnd::Restarted);
                 }
                 if part.needs_running && frame.status != RUNNING {
@@ -352,8 +367,8 @@ impl<'w> Run<'w> {
                 if part.kind == Kind::SpinUp && self.words.is_wheel_unknown(&frame) {
                     return Ok(RecordEnd::WheelBeyondSensor);
                 }
-                // A frame that arrives twice gives one row.
-                if rows.is_empty() || step_us > 0 {
+                // A frame that arrives twice gives one row, also where others came between.
+                if rows.is_empty() || step_us > 0 && !is_repeated {
                     passed_us += u64::from(step_us);
                     time_s = passed_us as f64 / 1e6;
                     let lost_before = match rows.is_empty() {
@@ -409,6 +424,12 @@ impl<'w> Run<'w> {
             status: frame.status,
         }
     }
+}
+
+/// Whether one of these rows is this frame: a line that sends what it has sent before. A firmware that has restarted sends
+/// no such frame: times, numbers and readings would all have to agree.
+fn is_one_of(rows: &[Row], frame: &Telemetry) -> bool {
+    rows.iter().rev().any(|row| row.frame == *frame)
 }
 
 /// Number of frames that the firmware sent between these two, for one frame every `every` steps.

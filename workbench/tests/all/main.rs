@@ -7,6 +7,8 @@ mod calling_off;
 mod controller;
 mod hardware;
 mod learned;
+#[cfg(unix)]
+mod line_faults;
 mod loops;
 mod magnet;
 mod monitored;
