@@ -202,3 +202,59 @@ fn a_lag_that_no_motor_has_explains_nothing() {
     );
     assert!(row.validation_fit_percent.is_nan());
 }
+
+/// A drive that smooths its command over a few tenths of a second, beside dry friction, in a square wave: the friction is
+/// found with the lag. While no lag above 0.1 s counted as one, neither the friction nor a fit down to the noise was
+/// reached.
+#[test]
+fn a_slow_drive_does_not_hide_the_dry_friction_of_the_wheel() {
+    for (seed, lag_s) in [(11, 0.15), (12, 0.3)] {
+        let period_s = 4.0;
+        let command = |time: f64| {
+            let sign = if (time / period_s).fract() < 0.5 {
+                1.0
+            } else {
+                -1.0
+            };
+            0.4 * sign
+        };
+        // The answer of a first-order lag to this square wave, from rest: between two reversals it tends to the command.
+        let current = |time: f64| {
+            let mut flows = 0.0;
+            let mut since = 0.0;
+            while since < time {
+                let until = time.min(since + 0.5 * period_s);
+                let towards = command(since + 1e-9);
+                flows = towards + (flows - towards) * (-(until - since) / lag_s).exp();
+                since = until;
+            }
+            flows
+        };
+        let friction = |speed: f64| 2e-3 + 2e-5 * speed;
+        let wheel = Wheel {
+            inertia: 2e-4,
+            friction: &friction,
+            current: &current,
+            noise: 0.3,
+        };
+        let record = wheel.log(&command, (0.0, 12.0, 0.005), seed);
+        let found = diagnosed(record, Some(TORQUE_CONSTANT));
+        let mut effects = set(&found);
+        effects.sort_by_key(|effect| effect.name());
+        assert_eq!(
+            effects,
+            [EffectId::MotorLag, EffectId::WheelCoulombFriction],
+            "seed {seed}: {:?} {:?}",
+            found.verdict,
+            found.ambiguous_between
+        );
+        let fit = &found.last().expect("a step").fit;
+        let at = fit.model.position(EffectId::MotorLag).expect("it is there");
+        let (lag, std) = (fit.values[at], fit.std(at).expect("fitted"));
+        // Four standard errors, and one per cent for the sign that the fit smooths.
+        assert!(
+            (lag - lag_s).abs() < 4.0 * std + 0.01 * lag_s,
+            "seed {seed}: {lag} ± {std}"
+        );
+    }
+}
