@@ -1,6 +1,6 @@
 //! The wheel compared with its current, with the body, and with what a wheel and a motor can do.
 
-use bench_files::{Bench, Channel};
+use bench_files::{Bench, Channel, Note};
 use identify::{Output, bumps};
 use plant::Kind;
 
@@ -140,8 +140,13 @@ fn is_never_negative(view: &View) -> bool {
     range(speed).is_some_and(|(low, _)| low >= -BELOW_ZERO * view.noise(Output::WheelSpeed))
 }
 
-/// Checks for a current that no bench motor takes.
+/// Checks for a current that no bench motor takes. A command without unit, such as a duty of 255, has no size that
+/// would be too large.
 fn size_of_current(bench: &Bench, view: &View, facts: &Facts, out: &mut Vec<Finding>) {
+    let notes = &view.experiment.report.notes;
+    if notes.contains(&Note::NormalisedCommand) {
+        return;
+    }
     let Some(current) = view.samples(Channel::Current) else {
         return;
     };

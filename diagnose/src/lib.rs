@@ -39,6 +39,7 @@ mod bench;
 mod candidate;
 mod decision;
 mod diagnosis;
+mod double_swap;
 mod economy;
 mod evidence;
 mod genuine;

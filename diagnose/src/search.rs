@@ -6,6 +6,7 @@ use plant::{EffectId, period_s};
 
 use crate::bench::SearchBench;
 use crate::candidate::{Candidate, names};
+use crate::double_swap::half_swapped;
 use crate::economy::{BEAM, FINISHED, MOST_EFFECTS, MOST_FITS, NEAR, WINDOW_PERIODS};
 use crate::evidence::{evidences, evidences_beyond};
 use crate::pool::{Search, argmax, is_fitted, merge, takes_up, ties};
@@ -305,6 +306,7 @@ fn prune_and_swap(
                 .into_iter()
                 .collect::<Result<_, Cancelled>>()?;
         merge(pool, found.concat());
+        swap_two(bench, pool, &chosen)?;
         let evidence = finished_evidences(bench, pool)?;
         let Some(top) = argmax(&evidence, 0..pool.len()) else {
             break;
@@ -314,6 +316,27 @@ fn prune_and_swap(
             break;
         }
         *best = next;
+    }
+    Ok(())
+}
+
+/// Fits the sets that have imitations in the place of two effects of `chosen`.
+fn swap_two(
+    bench: &SearchBench,
+    pool: &mut Vec<Candidate>,
+    chosen: &Candidate,
+) -> Result<(), Cancelled> {
+    for (index, completions) in half_swapped(pool, chosen, bench.suspects) {
+        let mut among = bench.clone();
+        among.suspects = &completions;
+        let round = Round {
+            most: MOST_FITS / 2,
+            is_fitted: &|set| is_fitted(pool, set),
+            leader: bench.leaves_nothing(chosen).then_some(chosen),
+            only_where_something_remains: true,
+        };
+        let found = try_all(&among, &pool[index], &round)?;
+        merge(pool, found);
     }
     Ok(())
 }

@@ -13,6 +13,11 @@ use crate::residuals::{is_slow, samples_in_window};
 /// Relative standard error above which a parameter counts as not identified.
 pub(crate) const OPEN_RELATIVE_STD: f64 = 1.0;
 
+/// Relative standard error above which the reader is told that an inertia is known roughly only. The gain of a
+/// controlled loop changes by the share by which the inertia is wrong. Judgement: a tenth is about what a weighed and
+/// measured wheel gives without any log.
+const ROUGH_RELATIVE_STD: f64 = 0.1;
+
 /// Warnings where the numbers of the comparison can mislead.
 pub(crate) fn cautions(records: &[&Record], traces: &[Vec<PredictedSeries>]) -> Vec<String> {
     let mut out = vec![];
@@ -100,6 +105,24 @@ pub fn left_open(problem: &FitProblem) -> Vec<String> {
     out
 }
 
+/// An inertia that the logs determine, but only roughly: beside an effect that acts like it, mostly.
+fn rough_inertia(position: usize, value: f64, std: f64) -> String {
+    let info = BASE_PARAMETERS[position];
+    let remedy = if position == WHEEL_INERTIA {
+        "spin-ups at several currents in both directions and a coast-down to standstill"
+    } else {
+        "free swings at a small and at a large angle, with masses and lengths or gravity_torque under [known],"
+    };
+    format!(
+        "{} = {} {} is known to {:.0} % only: something else in the model acts much like it in these logs; {remedy} \
+         would tell them apart",
+        info.name,
+        with_uncertainty(value, Some(std)),
+        info.unit,
+        100.0 * std / value.abs(),
+    )
+}
+
 pub(crate) fn statements(problem: &FitProblem, fit: &Fit) -> Vec<String> {
     let mut out = left_open(problem);
     let (_, wheel) = problem.moved();
@@ -141,10 +164,13 @@ pub(crate) fn statements(problem: &FitProblem, fit: &Fit) -> Vec<String> {
             ));
             continue;
         }
-        if !is_open {
-            continue;
-        }
+        let is_rough = |std: &f64| is_inertia && *std >= ROUGH_RELATIVE_STD * value.abs();
         match fit.std(position) {
+            Some(std) if !is_open => {
+                if is_rough(&std) {
+                    out.push(rough_inertia(position, value, std));
+                }
+            }
             Some(std) => out.push(format!(
                 "{} = {} {} cannot be distinguished from zero with these logs",
                 info.name,

@@ -167,3 +167,29 @@ fn a_pulse_width_is_no_current() {
         proposal.text
     );
 }
+
+/// A command without unit may be as large as its converter counts: a duty of 255 is not a current in mA.
+#[test]
+fn a_duty_in_counts_is_not_too_large_a_current() {
+    for seed in 0..4 {
+        let mut numbers = Numbers::random(seed);
+        let mut log = numbers.logs().remove(3);
+        let most = log
+            .column("current_A")
+            .iter()
+            .fold(0.0, |most: f64, x| most.max(x.abs()));
+        let per_unit = 255.0 / most;
+        log.column("current_A")
+            .iter_mut()
+            .for_each(|x| *x *= per_unit);
+        numbers.torque_constant /= per_unit;
+        log.more = "units = { current = \"1\" }".to_owned();
+        let is_it = |one: &Finding| one.finding == FindingId::CurrentFactor;
+        let found = check(&numbers.bench(std::slice::from_ref(&log)));
+        assert!(!found.iter().any(is_it), "seed {seed}: {found:#?}");
+        // The same numbers in ampere are too large.
+        log.more = String::new();
+        let found = check(&numbers.bench(&[log]));
+        assert!(found.iter().any(is_it), "seed {seed}: {found:#?}");
+    }
+}

@@ -1,7 +1,7 @@
 //! Without a known torque parameters are found per unit of inertia.
 
 use crate::common::{fitted, log, parameter, short_bench};
-use crate::simulated::{Physics, VALUES, coast_down, spin_up};
+use crate::simulated::{Now, Physics, VALUES, coast_down, spin_up};
 use identify::{FitProblem, Record, identify, without_value};
 use plant::{EffectId, Kind, Model};
 
@@ -215,4 +215,36 @@ fn teeth_have_no_unit_and_their_torque_is_per_unit_of_inertia() {
     assert_eq!(units([None; 4]), ["N m per kg m2", "1", "rad"]);
     let torque_constant = [None, None, None, Some(VALUES[3])];
     assert_eq!(units(torque_constant), ["N m", "1", "rad"]);
+}
+
+/// Friction that falls while the wheel starts, in one spin-up at one current: only the shape of the start tells the
+/// inertia, and the reader is told how roughly. A coast-down tells the friction, and with it the inertia.
+#[test]
+fn an_inertia_that_is_known_roughly_is_said_to_be() {
+    let stribeck = |now: &Now| {
+        let speed = now.wheel_speed;
+        (2e-3 + 3e-3 * (-(speed / 6.0).powi(2)).exp()) * -(speed / 0.1).tanh()
+    };
+    let physics = Physics {
+        on_wheel: &stribeck,
+        ..Physics::base()
+    };
+    let current = |time: f64| if time < 0.5 { 0.0 } else { 0.4 };
+    let start = log(&physics, &spin_up("start", &current, 6.0), 4242);
+    let coast = log(&physics, &coast_down("coast-down"), 4243);
+    let rough = |records: Vec<Record>| {
+        let known = [None, None, None, Some(VALUES[3])];
+        let problem =
+            FitProblem::from_records(records, known, Default::default()).expect("records");
+        let found = fitted(&problem, &[EffectId::WheelStribeckFriction]);
+        let (value, std) = parameter(&found, "wheel_inertia");
+        let says = |statement: &String| {
+            statement.starts_with("wheel_inertia = ") && statement.contains("% only")
+        };
+        (std / value, found.statements.iter().any(says))
+    };
+    let (share, is_said) = rough(vec![start.clone()]);
+    assert!((0.1..1.0).contains(&share) && is_said, "{share} {is_said}");
+    let (share, is_said) = rough(vec![start, coast]);
+    assert!(share < 0.1 && !is_said, "{share} {is_said}");
 }

@@ -29,12 +29,14 @@ impl Effect for MotorLag {
             logarithmic: false,
             is_whole: false,
         }],
+        // The firmware of widespread drives ramps a command over 0.3 to 0.4 s as it is shipped (VESC, ramp times in
+        // appconf_default.h).
         physical: &[PhysicalRange {
             parameter: 0,
             over: None,
-            range: (0.0, 0.1),
-            reason: "L/R of a small motor is 0.1 to 5 ms, its current loop is faster, and 0.1 s leaves room for a drive that \
-             smooths its command",
+            range: (0.0, 0.5),
+            reason: "L/R of a small motor is 0.1 to 5 ms, its current loop is faster, and a drive that smooths its \
+             command takes a few tenths of a second",
         }],
         starts: &[&[1e-3], &[2e-2]],
         absent: Some(&[0.0]),
