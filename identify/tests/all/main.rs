@@ -16,6 +16,7 @@ mod pushes;
 mod real;
 mod recovery;
 mod scales;
+mod selection;
 mod sensors;
 mod simulated;
 mod solver;
