@@ -5,7 +5,10 @@ use crate::simulated::{
     Experiment, NOISE, Now, PUSHES, Physics, VALUES, balance, free_swing, simulate, spin_up,
 };
 use bench_files::{Bench, FilesInMemory};
-use identify::{FitProblem, HeldStart, IdentifyError, Output, Record, held_start, identify};
+use identify::{
+    FitProblem, HeldStart, IdentifyError, Output, Record, Unknowns, failed_series, final_windows,
+    held_start, identify,
+};
 use plant::{Kind, Model};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -165,6 +168,7 @@ fn no_fit_loses_a_swing_to_another_log_without_a_word() {
         let physics = Physics {
             values,
             noise: [1e-3, 5e-3, 0.5, 0.0],
+            on_body: &dry,
             ..Physics::base()
         };
         let records = logs(&physics, 0.004, &mut rng);
@@ -202,6 +206,51 @@ fn no_fit_loses_a_swing_to_another_log_without_a_word() {
         }
     }
     eprintln!("{failed} of 24 failed");
+}
+
+/// Spin-ups and a balance log that are followed well do not hide that two swings are missed altogether.
+#[test]
+fn other_logs_do_not_outweigh_a_swing_that_is_missed() {
+    for seed in 0..10 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let values = plant_of(&mut rng);
+        let physics = Physics {
+            values,
+            ..Physics::base()
+        };
+        let forward = |_: f64| 0.6;
+        let experiments = [
+            spin_up("spin-up", &forward, 30.0),
+            free_swing("small swing", 0.35, 8.0),
+            free_swing("large swing", 0.9, 8.0),
+            // It shares parameters with both, and so makes a group of all.
+            Experiment {
+                length_s: 0.2,
+                step_s: 0.004,
+                ..balance("balance", &[])
+            },
+        ];
+        let mut simulated = |one: &Experiment| simulate(&physics, one, &mut rng);
+        let records: Vec<Record> = experiments.iter().map(&mut simulated).collect();
+        let records: Vec<&Record> = records.iter().collect();
+        let model = Model::base();
+        let unknowns = Unknowns::new(&model, &[0, 1, 4, 5]);
+        let failed = |values: &[f64]| {
+            let of = |record: &&Record| final_windows(record, values);
+            let windows: Vec<_> = records.iter().map(of).collect();
+            failed_series(&records, &model, values, &windows, &unknowns)
+        };
+        assert_eq!(failed(&values), [], "seed {seed}");
+        // A body so heavy and so damped that it creeps to its rest where the logs swing.
+        let mut creeping = values;
+        creeping[0] *= 5.0;
+        creeping[4] = 10.0 * (creeping[0] * creeping[2]).sqrt();
+        let missed = failed(&creeping);
+        for name in ["small swing", "large swing"] {
+            let of_swing = missed.iter().filter(|one| one.experiment == name);
+            assert_eq!(of_swing.count(), 2, "seed {seed}: {missed:?}");
+        }
+    }
 }
 
 /// A free swing from rest, held for a while before it begins.
