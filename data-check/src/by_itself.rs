@@ -4,13 +4,13 @@
 use std::f64::consts::{PI, TAU};
 
 use bench_files::{Channel, Note};
-use identify::{noise_std, resolution};
+use identify::{held_start, noise_std, resolution};
 
 use crate::finding::{Finding, FindingId};
 use crate::slips::short;
 use crate::thresholds::swing::{
-    GAIN_NOISE, GAIN_OF_SWING, GAIN_SHARE, GAIN_STEPS, RELEASE, SETTING_GOING, STILL, STILL_SHARE,
-    STILL_STEPS, TOO_WIDE,
+    GAIN_NOISE, GAIN_OF_SWING, GAIN_SHARE, GAIN_STEPS, LONG_HOLD, RELEASE, SETTING_GOING, STILL,
+    STILL_SHARE, STILL_STEPS, TOO_WIDE,
 };
 use crate::view::{View, median, range, spoken};
 
@@ -31,14 +31,35 @@ struct Swing<'v> {
 pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
     if let Some(swing) = Swing::of(view, Channel::Angle) {
         if !swing.held_first(out) {
+            held_for_a_moment(view, out);
             swing.gains_energy(out);
         }
     } else if view.samples(Channel::Angle).is_none()
         && let Some(swing) = Swing::of(view, Channel::Rate)
     {
+        held_for_a_moment(view, out);
         // Where the rate is largest, the body passes the middle with all its energy.
         swing.gains_energy(out);
     }
+}
+
+/// Says which rows of the beginning no fit uses, because the body was held.
+fn held_for_a_moment(view: &View, out: &mut Vec<Finding>) {
+    let Some(held) = held_start(&view.record) else {
+        return;
+    };
+    out.push(
+        Finding::warning(
+            FindingId::HeldStart,
+            format!(
+                "the body stands still for {} s before it swings: it was held, and no fit uses the {} rows before its release",
+                short(held.held_s),
+                held.rows
+            ),
+        )
+        .in_experiment(view.name())
+        .with_fix(format!("from = {}", rounded_up(held.from_s))),
+    );
 }
 
 impl<'v> Swing<'v> {
@@ -109,7 +130,7 @@ impl<'v> Swing<'v> {
         largest.map_or(0.0, |point| point.0)
     }
 
-    /// Whether the body is held before it swings, which is reported.
+    /// Whether the body is held before it swings, which is reported; a short hold that fits leave out is not reported here.
     fn held_first(&self, out: &mut Vec<Finding>) -> bool {
         let time_s = &self.view.experiment.log.time_s;
         let (still, half_range) = (self.still(), self.half_range);
@@ -131,6 +152,10 @@ impl<'v> Swing<'v> {
         if held == self.samples.len() || held_s <= near_turning_s + RELEASE * self.period_s {
             return false;
         }
+        let is_long = held_s > LONG_HOLD * self.period_s;
+        if !is_long && held_start(&self.view.record).is_some() {
+            return false;
+        }
         // A body held away from the hanging position is released; one held in the hanging position is lifted first.
         let from_s = if held_at > 0.5 * half_range {
             time_s[held.saturating_sub(1)]
@@ -141,7 +166,7 @@ impl<'v> Swing<'v> {
             "the body stands still for {} s before it swings: it was held, which is not part of the model",
             short(held_s)
         );
-        let make = if held_s > 0.5 * self.period_s {
+        let make = if is_long {
             Finding::refusal
         } else {
             Finding::warning

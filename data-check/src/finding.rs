@@ -54,6 +54,8 @@ pub enum FindingId {
     Stale,
     /// The logged current is not that of the controller.
     Gains,
+    /// The controller gave several commands per row of a balance log.
+    SparseCommands,
     /// Masses and lengths are given without the values that turn them into a torque.
     KnownMissing,
     /// A value of `[known]` is not possible for such a bench.
@@ -64,7 +66,7 @@ pub enum FindingId {
 
 impl FindingId {
     /// All findings.
-    pub const ALL: [FindingId; 27] = [
+    pub const ALL: [FindingId; 28] = [
         FindingId::RateFactor,
         FindingId::SameColumn,
         FindingId::AngleFactor,
@@ -89,6 +91,7 @@ impl FindingId {
         FindingId::LateChannel,
         FindingId::Stale,
         FindingId::Gains,
+        FindingId::SparseCommands,
         FindingId::KnownMissing,
         FindingId::KnownRange,
         FindingId::UnknownFinding,
@@ -110,7 +113,7 @@ impl FindingId {
             FindingId::WheelSign => "wheel-sign",
             FindingId::WheelTurns => "wheel-turns",
             FindingId::BodyMoves => "body-moves",
-            FindingId::HeldStart => "held-start",
+            FindingId::HeldStart => identify::HELD_START,
             FindingId::Hand => "hand",
             FindingId::SameData => "same-data",
             FindingId::Clipped => "clipped",
@@ -121,6 +124,7 @@ impl FindingId {
             FindingId::LateChannel => "late-channel",
             FindingId::Stale => "stale",
             FindingId::Gains => "gains",
+            FindingId::SparseCommands => identify::SPARSE_COMMANDS,
             FindingId::KnownMissing => "known-missing",
             FindingId::KnownRange => "known-range",
             FindingId::UnknownFinding => "unknown-finding",
@@ -169,7 +173,7 @@ impl FindingId {
                 "The body moves in a spin-up in which it should be clamped: the experiment is `driven`."
             }
             FindingId::HeldStart => {
-                "The body is held still before its release; `from` cuts that off."
+                "The body is held still before its release. A hold of less than half a period is left out of every fit; `from` cuts a longer one off."
             }
             FindingId::Hand => {
                 "The swing gains energy, or a wheel without a current gains speed: a hand or a motor is on it; cut it off with `from` and `until`."
@@ -198,6 +202,9 @@ impl FindingId {
             FindingId::Stale => "A channel repeats old samples: its sensor is slower than the log.",
             FindingId::Gains => {
                 "The logged current is not that of the controller in `[controller]`: its gains have another unit or sign, or the log another current."
+            }
+            FindingId::SparseCommands => {
+                "The controller gave several commands per row of a balance log, and those between the rows are unknown: the log is left out of every fit. Log every command, or the measured current."
             }
             FindingId::KnownMissing => {
                 "Masses and lengths are given, but a value is missing that turns them into a torque, mostly `gravity`; state it."

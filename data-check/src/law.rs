@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use bench_files::{Bench, Channel, Controller};
+use identify::commands_per_row;
 use plant::Kind;
 
 use crate::finding::{Finding, FindingId};
@@ -24,7 +25,7 @@ pub(crate) fn check(bench: &Bench, view: &View, settled: &mut Settled, out: &mut
     let (Some(controller), Kind::Balance) = (bench.controller, view.kind()) else {
         return;
     };
-    sample_time(view, controller.sample_time_s, out);
+    sample_time(view, &controller, out);
     let Some(ratios) = ratios(view, &controller) else {
         return;
     };
@@ -167,10 +168,12 @@ fn fix_of(channel: &str, factor: f64, gains: &[f64; 3], k: usize, ratio: f64) ->
 
 /// Checks the sampling interval. A log has every sample of the controller or every n-th. If the time is read a thousand
 /// times too large, the interval is long enough for a body to fall over many times.
-fn sample_time(view: &View, sample_time_s: f64, out: &mut Vec<Finding>) {
+fn sample_time(view: &View, controller: &Controller, out: &mut Vec<Finding>) {
+    let sample_time_s = controller.sample_time_s;
     let ratio = view.step_s / sample_time_s;
     // Nobody logs only every hundredth sample of a controller, and no bench balances with steps of half a second.
     if view.step_s < LONGEST_STEP_S || ratio < SPARSE {
+        sparse_commands(view, controller, out);
         return;
     }
     out.push(
@@ -186,5 +189,30 @@ fn sample_time(view: &View, sample_time_s: f64, out: &mut Vec<Finding>) {
         .with_channel("time")
         .with_factor(1e3)
         .with_fix("units = { time = \"ms\" }"),
+    );
+}
+
+/// Says of a log that it does not show every command, so that no fit uses it.
+fn sparse_commands(view: &View, controller: &Controller, out: &mut Vec<Finding>) {
+    let Some(commands) = commands_per_row(view.experiment, Some(controller)) else {
+        return;
+    };
+    out.push(
+        Finding::warning(
+            FindingId::SparseCommands,
+            format!(
+                "{} s lie between two rows, but the controller gave a command every {} s: what acted between the rows is \
+                 unknown, and no fit uses the log",
+                short(view.step_s),
+                short(controller.sample_time_s)
+            ),
+        )
+        .in_experiment(view.name())
+        .with_channel("current")
+        .with_factor(commands)
+        .with_fix(
+            "log every command, or the current that flowed with current_meaning = \"measured\"; or mend sample_time \
+             under [controller]",
+        ),
     );
 }

@@ -149,6 +149,9 @@ pub(crate) mod swing {
     /// Share of a period for which the body may stand still at its first turning point: a release by hand takes that long
     /// (judgement).
     pub(crate) const RELEASE: f64 = 0.25;
+    /// Share of a period from which a hold is refused (judgement: a beginning that is longer than half a swing is no
+    /// release). The rows of a shorter one are left out ([`identify::held_start`]).
+    pub(crate) const LONG_HOLD: f64 = 0.5;
     /// Growth of the turning points on one side above which energy came in: in standard deviations of the noise (the
     /// farthest of several noisy samples lies about two off, and two are compared: six are never reached by chance) and
     /// in steps of the column. What the time between two samples hides of a turning point is added in `swing`.

@@ -5,7 +5,8 @@ use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_I
 
 use crate::bench::FitProblem;
 use crate::fit::{
-    Effort, Minimum, cost_of_means, fit_from_scratch, fit_in_stages, integrated_ratios, refit,
+    Effort, Minimum, cost, cost_of_means, fit_from_scratch, fit_in_stages, integrated_ratios,
+    is_lost_swing, refit,
 };
 use crate::records::Record;
 
@@ -49,7 +50,10 @@ pub fn first_fit(problem: &FitProblem, effort: Effort) -> Minimum {
         |records: &[&Record], minimum: &Minimum| doubtful = is_doubtful(records, minimum);
     let first = fit_in_stages(&records, &base, shown.clone(), &free, effort, &mut look);
     let is_sparse = is_sparse(&records);
-    let is_good = !doubtful && first.cost.is_finite() && !is_short_and_misses(&records, &first);
+    let is_good = !doubtful
+        && first.cost.is_finite()
+        && !is_short_and_misses(&records, &first)
+        && !loses_a_swing(&records, &base, &first);
     if is_good && !is_sparse {
         return first;
     }
@@ -151,6 +155,19 @@ fn is_short_and_misses(records: &[&Record], minimum: &Minimum) -> bool {
     let observed: usize = records.iter().map(|record| record.observations()).sum();
     let noise = observed as f64;
     samples < FEW_SAMPLES && minimum.cost > noise + MORE_THAN_NOISE * (2.0 * noise).sqrt()
+}
+
+/// Whether a fit predicts a free swing no better than by its mean. In a sum over all logs, that may not show.
+fn loses_a_swing(records: &[&Record], model: &Model, minimum: &Minimum) -> bool {
+    (0..records.len()).any(|at| {
+        let (one, windows) = (&records[at..=at], &minimum.windows[at..=at]);
+        one[0].kind == Kind::FreeSwing
+            && is_lost_swing(
+                one[0],
+                &windows[0],
+                cost(one, model, &minimum.values, windows),
+            )
+    })
 }
 
 /// Whether the residual of a fit is so large that the fit may be stuck.

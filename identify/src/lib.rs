@@ -34,7 +34,7 @@ mod residuals;
 mod shape_search;
 mod statements;
 
-pub use bench::{FitProblem, IdentifyError};
+pub use bench::{FitProblem, HELD_START, IdentifyError, SPARSE_COMMANDS, commands_per_row};
 pub use errors::{
     Contradiction, Fit, Side, WithoutValue, body_inertia, body_inertia_contradiction,
     contradictions, finish, pseudo_inverse, stuck, without_value,
@@ -54,7 +54,8 @@ pub use identification::{
 };
 pub use learned::{CurvePoint, MissingCurve, best_missing_curve, missing_curve};
 pub use model_free::{
-    AtAmplitude, DecayLaw, Estimate, FreeDecay, RateAgainstAngle, decay, rate_against_angle,
+    AtAmplitude, DecayLaw, Estimate, FreeDecay, HeldStart, RateAgainstAngle, decay, held_start,
+    rate_against_angle,
 };
 pub use neighbour::fit_from_neighbour;
 pub use progress::{Cancelled, Progress};

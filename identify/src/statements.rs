@@ -71,7 +71,7 @@ pub(crate) fn cautions(records: &[&Record], traces: &[Vec<PredictedSeries>]) -> 
 /// The parameters that no fit can find with these logs and direct measurements: one sentence each. It takes no fit to
 /// say.
 pub fn left_open(problem: &FitProblem) -> Vec<String> {
-    let mut out = vec![];
+    let mut out = problem.notes.clone();
     let (body, wheel) = problem.moved();
     if !body {
         out.push(

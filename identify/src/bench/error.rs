@@ -12,6 +12,12 @@ pub enum IdentifyError {
     /// No experiment has a usable channel.
     #[error("no experiment of the bench has a channel from which a parameter could be identified")]
     NoExperiments,
+    /// No log says enough for a fit.
+    #[error("no log of the bench can be used. {}", notes.join(". "))]
+    NothingUsable {
+        /// What is not used, and why: one sentence for each log.
+        notes: Vec<String>,
+    },
     /// No start gave a simulation with finite numbers.
     #[error(
         "the model could not be simulated from any start that the logs suggest; check units, signs \

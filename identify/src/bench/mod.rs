@@ -5,7 +5,9 @@ mod dense;
 mod error;
 mod parameters;
 mod problem;
+mod selection;
 mod toothed;
 
 pub use error::IdentifyError;
 pub use problem::FitProblem;
+pub use selection::{HELD_START, SPARSE_COMMANDS, commands_per_row};

@@ -7,6 +7,7 @@ use parallel::parallel_map;
 use plant::{GRAVITY_TORQUE, Kind, Model, TORQUE_CONSTANT, TOTAL_INERTIA, WHEEL_INERTIA};
 
 use super::error::IdentifyError;
+use super::selection::{nothing_selected, select};
 use super::toothed::Toothed;
 use crate::fit::{base_values, ratios};
 use crate::records::{BALANCE_WINDOW_S, Output, Record, RecordedCurrent, join_early_steps};
@@ -27,27 +28,38 @@ pub struct FitProblem {
     pub coupled: bool,
     /// Masses and lengths, from which the inertia of the body alone follows.
     pub masses: Known,
+    /// What of the logs is not used, and what is taken for granted of them: one sentence each.
+    pub notes: Vec<String>,
     /// The teeth of the motor, if dense logs were searched for them.
     pub(super) toothed: Toothed,
 }
 
 impl FitProblem {
     /// Prepares a bench that was loaded from disk. Logs that are far denser than their motion are replaced by block
-    /// averages ([`Record::averaged`]).
+    /// averages ([`Record::averaged`]). Left out are rows of a swing from before its release ([`crate::held_start`]) and
+    /// balance logs that do not show every command ([`crate::commands_per_row`]), unless bench.toml accepts them.
     ///
     /// # Errors
-    /// [`IdentifyError::NoExperiments`] if no experiment has a usable channel.
+    /// [`IdentifyError::NoExperiments`] if no experiment has a usable channel; [`IdentifyError::NothingUsable`] if all logs
+    /// are left out.
     pub fn new(bench: &Bench) -> Result<FitProblem, IdentifyError> {
-        let records: Vec<Record> = parallel_map(&bench.experiments, Record::from_experiment)
-            .into_iter()
-            .filter(|record| !record.channels.is_empty() && !record.is_empty())
-            .collect();
+        let controller = bench.controller.as_ref();
+        let selected = parallel_map(&bench.experiments, |one| select(one, controller));
+        let (mut records, mut notes) = (vec![], vec![]);
+        for one in selected {
+            records.extend(one.record);
+            notes.extend(one.note);
+        }
+        if records.is_empty() {
+            return Err(nothing_selected(notes));
+        }
         let mut known = [None; 4];
         known[TOTAL_INERTIA] = bench.known.total_inertia;
         known[WHEEL_INERTIA] = bench.known.wheel_inertia;
         known[GRAVITY_TORQUE] = bench.known.gravity_torque().ok();
         known[TORQUE_CONSTANT] = bench.known.torque_constant;
-        FitProblem::prepared(records, known, bench.known, true)
+        let problem = FitProblem::prepared(records, known, bench.known, true)?;
+        Ok(FitProblem { notes, ..problem })
     }
 
     /// Prepares records with the given base parameters.
@@ -120,6 +132,7 @@ impl FitProblem {
             wheel_scale_known: wheel,
             coupled,
             masses,
+            notes: vec![],
             toothed: Toothed::NotSought,
         };
         if average {

@@ -42,6 +42,7 @@ pub use cogging::{CoggingStart, cogging_start, settled};
 pub use comparison::{PredictedSeries, traces, traces_that_count};
 pub use effort::{Effort, Outcome};
 pub(crate) use integrated::integrated_ratios;
+pub(crate) use means::is_lost_swing;
 pub use means::{NoBetterThanMean, cost_of_means, failed_series};
 pub use ratios::Ratios;
 pub(crate) use schedule::fit_in_stages;

@@ -17,6 +17,7 @@ mod pushes;
 mod real;
 mod recovery;
 mod scales;
+mod selection;
 mod sensors;
 mod simulated;
 mod solver;

@@ -157,7 +157,7 @@ fn shift(samples: &mut [(f64, f64)], by: f64) {
 }
 
 /// Arithmetic-geometric mean; K(k) = π/(2 agm(1, √(1 − k²))).
-fn agm(mut a: f64, mut b: f64) -> f64 {
+pub(super) fn agm(mut a: f64, mut b: f64) -> f64 {
     for _ in 0..20 {
         (a, b) = (0.5 * (a + b), (a * b).sqrt());
     }
