@@ -59,8 +59,8 @@ pub use model_free::{
 pub use neighbour::fit_from_neighbour;
 pub use progress::{Cancelled, Progress};
 pub use records::{
-    BALANCE_WINDOW_S, Output, Record, RecordedChannel, RecordedCurrent, angle_samples, bumps,
-    input_noise_std, noise_std, resolution,
+    BALANCE_WINDOW_S, Output, Record, RecordedChannel, RecordedCurrent, WeakForm, angle_samples,
+    bumps, input_noise_std, noise_std, resolution,
 };
 pub use residuals::{
     BreakdownBin, Coordinate, CorrelationTest, Discrepancy, ExplainedTorque, FailureMap,
