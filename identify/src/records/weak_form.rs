@@ -187,3 +187,59 @@ pub(crate) fn half_samples(record: &Record, half_s: f64) -> usize {
     let mean_step_s = (record.time_s[n - 1] - record.time_s[0]) / (n - 1).max(1) as f64;
     ((half_s / mean_step_s).round() as usize).clamp(FEWEST_HALF_SAMPLES, n)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use plant::Kind;
+
+    /// Every bump has the integrals of its own times, whether the clock is even, is rounded, changes its pace, or jitters;
+    /// a bump with a sample that does not count is left out.
+    #[test]
+    fn each_bump_has_the_weights_of_its_own_times() {
+        let even = |k: usize| 0.004 * k as f64;
+        let clocks: [&dyn Fn(usize) -> f64; 4] = [
+            &even,
+            &|k| (even(k) * 1e9).round() / 1e9,
+            &|k| even(k) + 0.002 * k.saturating_sub(700) as f64,
+            &|k| even(k) + 0.001 * (k as f64 * 1.7).sin(),
+        ];
+        for (clock, time) in clocks.iter().enumerate() {
+            let time_s: Vec<f64> = (0..1500).map(time).collect();
+            let angle: Vec<f64> = time_s.iter().map(|t| 0.3 + (9.7 * t).cos()).collect();
+            let outputs = [Some(angle.clone()), None, None];
+            let mut record = Record::new("x", Kind::FreeSwing, time_s, outputs, None, false);
+            record.weight[400] = 0.0;
+            let mut starts = vec![];
+            bumps(&record, BUMP_S, |bump| {
+                let length = bump.weights(0).len();
+                let window = bump.start..bump.start + length;
+                let area: f64 = bump.area();
+                for order in 0..3 {
+                    let own = quadrature(&record.time_s[window.clone()], order);
+                    let expected = dot(&own, angle[window.clone()].iter().copied());
+                    let size: f64 = own.iter().map(|weight| weight.abs()).sum();
+                    for found in [
+                        bump.integral(&angle, order),
+                        bump.integral_of(|k| angle[k], order),
+                    ] {
+                        let off = (found - expected).abs() / size;
+                        assert!(off < 1e-6, "clock {clock}, order {order}: {off}");
+                    }
+                }
+                // ∫ψ over a bump of length T is T⁵/30, in units of (T/2)⁴.
+                let span_s = record.time_s[window.end - 1] - record.time_s[window.start];
+                assert!((area / (span_s * 16.0 / 30.0) - 1.0).abs() < 0.02);
+                assert!(!window.contains(&400));
+                starts.push((bump.start, length));
+            });
+            let length = starts[0].1;
+            let expected: Vec<(usize, usize)> = (0..=1500 - length)
+                .step_by(length / 2)
+                .filter(|start| !(*start..start + length).contains(&400))
+                .map(|start| (start, length))
+                .collect();
+            assert_eq!(starts, expected, "clock {clock}");
+        }
+    }
+}
