@@ -3,6 +3,8 @@
 use crate::numbers::number;
 use std::path::{Path, PathBuf};
 
+use parallel::parallel_map;
+
 use crate::error::{Error, Problem};
 use crate::experiment::Experiment;
 use crate::experiment_plan::ExperimentPlan;
@@ -61,7 +63,7 @@ impl Bench {
     /// # Errors
     /// As for [`Bench::load`]; [`Problem::Unreadable`] if the reading was cancelled.
     pub fn load_watched(path: &Path, watch: ReadingWatch) -> Result<Bench, Error> {
-        Bench::load_from(path, Files::Watched(watch))
+        watch.over(|watch| Bench::load_from(path, Files::Watched(watch)))
     }
 
     fn load_from(path: &Path, files: Files) -> Result<Bench, Error> {
@@ -169,11 +171,11 @@ fn read_bench(
         }
         plans.push(plan);
     }
-    let experiments = plans
-        .into_iter()
-        .zip(&sections)
-        .map(|(plan, section)| plan.load(files, source, section))
-        .collect::<Result<Vec<_>, Error>>()?;
+    // The logs are read at the same time; of several errors, the first in the order of bench.toml is reported.
+    let loaded = parallel_map(plans.into_iter().zip(&sections), |(plan, section)| {
+        plan.load(files, source, section)
+    });
+    let experiments = loaded.into_iter().collect::<Result<Vec<_>, Error>>()?;
     Ok(Bench {
         own_effects: OwnEffect::all_of(files, &folder)?,
         name: name.unwrap_or_else(|| folder_name(&folder)),

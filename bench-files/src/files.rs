@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
+use std::sync::mpsc;
+use std::thread;
 
 use crate::error::{Error, Problem};
 use crate::write::reason;
@@ -44,13 +46,47 @@ impl<N: Into<PathBuf>, C: Into<Vec<u8>>> FromIterator<(N, C)> for FilesInMemory 
     }
 }
 
-/// Receives the progress of reading a file, and can cancel it.
+/// Receives the progress of reading files, and can cancel it.
 #[derive(Clone, Copy)]
 pub struct ReadingWatch<'w> {
-    /// Called with the file, the bytes read so far and its size in bytes, after every [`WATCHED_BYTES`].
+    /// Called with the file, the bytes read so far and its size in bytes, after every [`WATCHED_BYTES`]; always from the
+    /// caller's own thread. Several files are read at the same time.
     pub read: &'w dyn Fn(&Path, u64, u64),
-    /// Called as often. If it returns `true`, the reading ends with an error.
-    pub cancelled: &'w dyn Fn() -> bool,
+    /// Called as often, from any thread. If it returns `true`, the reading ends with an error.
+    pub cancelled: &'w (dyn Fn() -> bool + Sync),
+}
+
+/// A [`ReadingWatch`] as the threads see it that read.
+#[derive(Clone, Copy)]
+pub(crate) struct SharedWatch<'w> {
+    pub read: &'w (dyn Fn(&Path, u64, u64) + Sync),
+    pub cancelled: &'w (dyn Fn() -> bool + Sync),
+}
+
+impl ReadingWatch<'_> {
+    /// Does `work` on another thread, and passes what it tells its watch to this one.
+    pub(crate) fn over<T: Send>(self, work: impl FnOnce(SharedWatch) -> T + Send) -> T {
+        let (told, heard) = mpsc::channel::<(PathBuf, u64, u64)>();
+        let cancelled = self.cancelled;
+        thread::scope(|scope| {
+            let working = scope.spawn(move || {
+                let read = |file: &Path, read, of| {
+                    // The other end hears until this one is gone.
+                    let _ = told.send((file.to_path_buf(), read, of));
+                };
+                work(SharedWatch {
+                    read: &read,
+                    cancelled,
+                })
+            });
+            for (file, read, of) in heard {
+                (self.read)(&file, read, of);
+            }
+            working
+                .join()
+                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        })
+    }
 }
 
 /// Number of bytes between two calls of a [`ReadingWatch`]: some ten milliseconds of reading.
@@ -62,7 +98,7 @@ pub(crate) enum Files<'f> {
     /// On the disk.
     Disk,
     /// On the disk, with progress reports.
-    Watched(ReadingWatch<'f>),
+    Watched(SharedWatch<'f>),
     /// In memory only.
     Memory(&'f FilesInMemory),
 }
@@ -162,7 +198,7 @@ pub(crate) struct WatchedFile<'w> {
     path: PathBuf,
     length: u64,
     read: u64,
-    watch: ReadingWatch<'w>,
+    watch: SharedWatch<'w>,
 }
 
 impl Read for WatchedFile<'_> {

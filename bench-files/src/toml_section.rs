@@ -12,8 +12,17 @@ pub(crate) struct Section<'a> {
     source: &'a TomlSource,
     /// Its name in messages, for example `[known]`.
     name: String,
-    table: &'a dyn TableLike,
+    table: &'a (dyn TableLike + Sync),
     span: Range<usize>,
+}
+
+/// The table of an item, of either kind.
+fn table_of(item: &Item) -> Option<&(dyn TableLike + Sync)> {
+    match item {
+        Item::Table(table) => Some(table),
+        Item::Value(Value::InlineTable(table)) => Some(table),
+        _ => None,
+    }
 }
 
 impl TomlSource {
@@ -98,7 +107,7 @@ impl<'a> Section<'a> {
         let Some((found, item)) = self.table.get_key_value(key) else {
             return Ok(None);
         };
-        match item.as_table_like() {
+        match table_of(item) {
             Some(table) => Ok(Some(Section {
                 source: self.source,
                 name: self.name_of(key, item),

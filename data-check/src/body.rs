@@ -3,16 +3,13 @@
 use std::f64::consts::{PI, TAU};
 
 use bench_files::Channel;
-use identify::bumps;
+use identify::{WeakForm, bumps};
 use plant::Kind;
 
 use crate::regression::{LeastSquares, least_squares, ratio};
 use crate::thresholds::fit::FEWEST_ROWS;
 use crate::thresholds::momentum::{EQUAL, OWN_MOTION};
 use crate::view::View;
-
-/// `integral(f, order)`: ∫ f dᵒψ/dtᵒ dt under one bump.
-type Integral<'i> = dyn Fn(&dyn Fn(usize) -> f64, usize) -> f64 + 'i;
 
 /// The body's motion, from its angle or from its rate alone.
 pub(crate) struct Body<'v> {
@@ -70,24 +67,25 @@ impl<'v> Body<'v> {
     /// channel divided by `scale`. Columns in this order. The length of the bumps is the one that explains most.
     pub fn fit(&self, cause: &Cause, scale: f64) -> Option<LeastSquares> {
         let (angle, rate) = (&self.angle, self.rate);
-        let true_angle = |k: usize| self.equilibrium + (angle[k] - self.equilibrium) / scale;
+        let true_angle = |angle: &f64| self.equilibrium + (angle - self.equilibrium) / scale;
+        let (sine, cosine): (Vec<f64>, Vec<f64>) = angle
+            .iter()
+            .map(|angle| true_angle(angle).sin_cos())
+            .unzip();
         let fits = self.view.bump_lengths_s().filter_map(|length_s| {
             let mut rows = vec![];
-            bumps(&self.view.record, length_s, |integral| {
-                let acceleration = self.acceleration(integral);
-                let gravity = integral(&|k| true_angle(k).sin(), 0);
+            bumps(&self.view.record, length_s, |bump| {
+                let acceleration = self.acceleration(bump);
+                let gravity = bump.integral(&sine, 0);
                 let (cause, third) = match cause {
                     // Where gravity is zero is not known for a rate that was integrated, and told for an angle.
-                    Cause::Wheel(speed) => (
-                        -integral(&|k| speed[k], 1),
-                        integral(&|k| true_angle(k).cos(), 0),
-                    ),
+                    Cause::Wheel(speed) => (-bump.integral(speed, 1), bump.integral(&cosine, 0)),
                     Cause::Current(current, wheel_speed) => (
-                        integral(&|k| current[k], 0),
+                        bump.integral(current, 0),
                         match (wheel_speed, rate) {
-                            (Some(speed), _) => integral(&|k| speed[k], 0),
-                            (None, Some(rate)) => integral(&|k| rate[k], 0),
-                            (None, None) => -integral(&|k| angle[k], 1),
+                            (Some(speed), _) => bump.integral(speed, 0),
+                            (None, Some(rate)) => bump.integral(rate, 0),
+                            (None, None) => -bump.integral(angle, 1),
                         },
                     ),
                 };
@@ -102,12 +100,12 @@ impl<'v> Body<'v> {
 
     /// The best fit α̈ = c₀ sin α + c₁ cos α, of a body on which gravity acts alone.
     pub fn fit_gravity(&self) -> Option<LeastSquares> {
+        let (sine, cosine): (Vec<f64>, Vec<f64>) = self.angle.iter().map(|a| a.sin_cos()).unzip();
         let fits = self.view.bump_lengths_s().filter_map(|length_s| {
             let mut rows = vec![];
-            bumps(&self.view.record, length_s, |integral| {
-                let [sine, cosine]: [f64; 2] =
-                    [f64::sin, f64::cos].map(|function| integral(&|k| function(self.angle[k]), 0));
-                rows.push(([sine, cosine], self.acceleration(integral)));
+            bumps(&self.view.record, length_s, |bump| {
+                let gravity = [bump.integral(&sine, 0), bump.integral(&cosine, 0)];
+                rows.push((gravity, self.acceleration(bump)));
             });
             least_squares(&rows, 2.0)
         });
@@ -120,8 +118,8 @@ impl<'v> Body<'v> {
     pub fn leaves_the_wheel(&self, speed: &[f64]) -> bool {
         let ratios = self.view.bump_lengths_s().filter_map(|length_s| {
             let mut points = vec![];
-            bumps(&self.view.record, length_s, |integral| {
-                points.push((self.acceleration(integral), -integral(&|k| speed[k], 1)));
+            bumps(&self.view.record, length_s, |bump| {
+                points.push((self.acceleration(bump), -bump.integral(speed, 1)));
             });
             ratio(&points, FEWEST_ROWS)
         });
@@ -130,13 +128,13 @@ impl<'v> Body<'v> {
     }
 
     /// ∫ α̈ ψ dt under a bump.
-    fn acceleration(&self, integral: &Integral) -> f64 {
+    fn acceleration(&self, bump: &WeakForm) -> f64 {
         match self.rate {
-            Some(rate) => -integral(&|k| rate[k], 1),
+            Some(rate) => -bump.integral(rate, 1),
             None => {
                 // A constant has no acceleration, but the trapezoidal rule leaves a part of it.
-                let middle = integral(&|k| self.angle[k], 0) / integral(&|_| 1.0, 0);
-                integral(&|k| self.angle[k] - middle, 2)
+                let middle = bump.integral(&self.angle, 0) / bump.area();
+                bump.integral_of(|k| self.angle[k] - middle, 2)
             }
         }
     }

@@ -39,19 +39,19 @@ pub(crate) fn check(view: &View, out: &mut Vec<Finding>) {
         return;
     };
     let (mut rows, mut beside) = (vec![], 0);
-    bumps(&view.record, length_s, |integral| {
-        let area = integral(&|_| 1.0, 0);
-        if integral(&is_large, 0) < 0.99 * area {
+    bumps(&view.record, length_s, |bump| {
+        let area = bump.area();
+        if bump.integral_of(is_large, 0) < 0.99 * area {
             return;
         }
-        let plateau = integral(&on_plateau, 0) / area;
+        let plateau = bump.integral_of(on_plateau, 0) / area;
         beside += usize::from(plateau.abs() < 0.5);
         let row = [
-            integral(&|k| current[k], 0) / area,
+            bump.integral(current, 0) / area,
             limit * plateau,
-            -integral(&|k| speed[k], 0) / area,
+            -bump.integral(speed, 0) / area,
         ];
-        rows.push((row, -integral(&|k| speed[k], 1) / area));
+        rows.push((row, -bump.integral(speed, 1) / area));
     });
     if beside < crate::thresholds::fit::FEWEST_ROWS {
         return;

@@ -12,7 +12,7 @@ use crate::thresholds::swing::{
     AT_EITHER_END, CHANGE, FEWEST_ROUNDS, LEAST_AMPLITUDE, LEFT_OVER, LONGEST_SWING, TURNS_BACK_RAD,
 };
 use crate::units::Settled;
-use crate::view::{View, agm, largest, median, scaled_decay};
+use crate::view::{View, agm, largest, median};
 
 use std::f64::consts::{PI, TAU};
 
@@ -20,9 +20,9 @@ pub(crate) fn check(view: &View, settled: &mut Settled, out: &mut Vec<Finding>) 
     if view.kind() != Kind::FreeSwing {
         return;
     }
-    let decay = scaled_decay(view);
+    let decay = view.scaled_decay();
     let before = out.len();
-    if let Some((decay, scale)) = &decay {
+    if let Some((decay, scale)) = decay {
         let periods = decay.periods.iter().map(|period| period.value).collect();
         if let Some(period_s) = median(periods) {
             period(view, period_s, out);

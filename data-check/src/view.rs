@@ -16,21 +16,31 @@ pub(crate) struct View<'b> {
     pub record: Record,
     /// Usual sampling interval, s.
     pub step_s: f64,
+    /// The decay of a free swing, see [`View::scaled_decay`].
+    decay: Option<(FreeDecay, f64)>,
 }
 
 impl<'b> View<'b> {
     pub fn new(experiment: &'b Experiment) -> View<'b> {
         let time_s = &experiment.log.time_s;
         let steps = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let record = Record::from_experiment(experiment);
         View {
             experiment,
-            record: Record::from_experiment(experiment),
+            decay: scaled_decay(experiment, &record),
+            record,
             step_s: median(steps).unwrap_or(f64::NAN),
         }
     }
 
     pub fn name(&self) -> &str {
         &self.experiment.name
+    }
+
+    /// The decay of a free swing and the factor by which its angle was divided to be at most 1, since the analysis of half
+    /// cycles expects radians.
+    pub fn scaled_decay(&self) -> Option<&(FreeDecay, f64)> {
+        self.decay.as_ref()
     }
 
     pub fn kind(&self) -> Kind {
@@ -76,10 +86,10 @@ impl<'b> View<'b> {
     /// As [`View::ratio_to_derivative`], with bumps of this length.
     pub fn ratio_by_bumps(&self, of: &[f64], samples: &[f64], length_s: f64) -> Option<Ratio> {
         let mut points = vec![];
-        bumps(&self.record, length_s, |integral| {
-            let area = integral(&|_| 1.0, 0);
-            let derivative = -integral(&|k| of[k], 1) / area;
-            points.push((derivative, integral(&|k| samples[k], 0) / area));
+        bumps(&self.record, length_s, |bump| {
+            let area = bump.area();
+            let derivative = -bump.integral(of, 1) / area;
+            points.push((derivative, bump.integral(samples, 0) / area));
         });
         ratio(&points, FEWEST_POINTS)
     }
@@ -128,34 +138,33 @@ impl Facts {
     }
 }
 
-/// The decay of a free swing and the factor by which its angle was divided to be at most 1, since the analysis of half
-/// cycles expects radians.
-pub(crate) fn scaled_decay(view: &View) -> Option<(FreeDecay, f64)> {
-    if view.kind() != Kind::FreeSwing {
+/// As [`View::scaled_decay`], of an experiment with this record.
+fn scaled_decay(experiment: &Experiment, record: &Record) -> Option<(FreeDecay, f64)> {
+    if experiment.kind != Kind::FreeSwing {
         return None;
     }
-    let log = &view.experiment.log;
-    let (scale, angle) = match &log.angle_rad {
+    let log = &experiment.log;
+    let scale = match &log.angle_rad {
         Some(angle) => {
             let (low, high) = range(angle)?;
-            let scale = (0.5 * (high - low)).max(1.0);
-            (scale, Some(angle.iter().map(|x| x / scale).collect()))
+            (0.5 * (high - low)).max(1.0)
         }
-        None => (travel(&log.time_s, log.rate_rad_s.as_deref()?), None),
+        None => travel(&log.time_s, log.rate_rad_s.as_deref()?),
     };
+    if scale == 1.0 {
+        return Some((identify::decay(record)?, scale));
+    }
+    let scaled = |samples: &Vec<f64>| samples.iter().map(|x| x / scale).collect();
+    let angle = log.angle_rad.as_ref().map(scaled);
     let rate = match &angle {
         Some(_) => log.rate_rad_s.clone(),
-        None => log
-            .rate_rad_s
-            .as_ref()
-            .map(|rate| rate.iter().map(|x| x / scale).collect()),
+        None => log.rate_rad_s.as_ref().map(scaled),
     };
-    let outputs = [angle, rate, None];
     let record = Record::new(
         "",
         Kind::FreeSwing,
         log.time_s.clone(),
-        outputs,
+        [angle, rate, None],
         None,
         false,
     );
@@ -179,7 +188,7 @@ fn travel(time_s: &[f64], rate: &[f64]) -> f64 {
 /// The period of small swings in a free swing, s, with its standard error, if a bench can have such a period. It is
 /// taken from the swings above half of the largest amplitude: springs and presliding change those of the smallest ones.
 pub(crate) fn small_swing_period_s(view: &View) -> Option<(f64, f64)> {
-    let (decay, scale) = scaled_decay(view)?;
+    let (decay, scale) = view.scaled_decay()?;
     let amplitudes = decay.periods.iter().map(|point| point.amplitude_rad);
     let largest = amplitudes.fold(0.0, f64::max);
     let large = decay

@@ -33,9 +33,9 @@ fn answer(view: &View) -> Option<(Answer, LeastSquares)> {
     }
     let found = view.bump_lengths_s().filter_map(|length_s| {
         let mut rows = vec![];
-        bumps(&view.record, length_s, |integral| {
-            let row = [integral(&|k| current[k], 0), -integral(&|k| speed[k], 0)];
-            rows.push((row, -integral(&|k| speed[k], 1)));
+        bumps(&view.record, length_s, |bump| {
+            let row = [bump.integral(current, 0), -bump.integral(speed, 0)];
+            rows.push((row, -bump.integral(speed, 1)));
         });
         // Neighbouring bumps overlap by half.
         least_squares(&rows, 2.0)

@@ -61,7 +61,7 @@ pub use neighbour::fit_from_neighbour;
 pub use progress::{Cancelled, Progress};
 pub use records::{
     BALANCE_WINDOW_S, Output, Record, RecordedChannel, RecordedCurrent, StepTimes, UnknownStep,
-    angle_samples, bumps, input_noise_std, noise_std, resolution,
+    WeakForm, angle_samples, bumps, input_noise_std, noise_std, resolution,
 };
 pub use residuals::{
     BreakdownBin, Coordinate, CorrelationTest, Discrepancy, ExplainedTorque, FailureMap,

@@ -66,7 +66,7 @@ impl Session {
     ) -> Result<Session, Error> {
         let watch = ReadingWatch {
             read: &|file, read, of| (progress.say)(&reading(file, read, of)),
-            cancelled: &|| (progress.cancelled)(),
+            cancelled: progress.cancelled,
         };
         let bench = match Bench::load_watched(path, watch) {
             Ok(bench) => bench,

@@ -35,6 +35,11 @@ pub(crate) fn driving_samples(records: &[&Record]) -> Vec<(f64, f64)> {
     driven
 }
 
+/// Sine and cosine of these angles.
+fn sines(angle: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    angle.iter().map(|angle| angle.sin_cos()).unzip()
+}
+
 /// Computes the ratios from these records.
 pub fn ratios(records: &[&Record]) -> Ratios {
     let mut locked = Rows::new(3);
@@ -45,30 +50,30 @@ pub fn ratios(records: &[&Record]) -> Ratios {
         let angle = angle_samples(record);
         let wheel_speed = record.channel(Output::WheelSpeed).map(|c| &c.samples);
         let current = (!record.current_a.is_empty()).then_some(&record.current_a);
-        bumps(record, BUMP_S, |integral| {
+        let (sine, cosine) = sines(angle.as_deref().unwrap_or(&[]));
+        bumps(record, BUMP_S, |bump| {
             if let Some(angle) = &angle
                 && record.kind != Kind::SpinUp
             {
-                let second = integral(&|k| angle[k], 2);
-                let first = integral(&|k| angle[k], 1);
-                let sine = integral(&|k| angle[k].sin(), 0);
-                let cosine = integral(&|k| angle[k].cos(), 0);
+                let second = bump.integral(angle, 2);
+                let first = bump.integral(angle, 1);
+                let (sine, cosine) = (bump.integral(&sine, 0), bump.integral(&cosine, 0));
                 if record.kind == Kind::FreeSwing {
                     locked.push(&[-sine, -cosine, first], second);
                 } else if let Some(current) = current {
-                    let drive = integral(&|k| current[k], 0);
-                    let spin = wheel_speed.map_or(0.0, |speed| integral(&|k| speed[k], 0));
+                    let drive = bump.integral(current, 0);
+                    let spin = wheel_speed.map_or(0.0, |speed| bump.integral(speed, 0));
                     free.push(&[-sine, -cosine, first, -drive, spin], second);
                 }
             }
             if let (Some(speed), Some(current)) = (wheel_speed, current) {
                 let body = match (&angle, record.kind) {
-                    (Some(angle), Kind::Balance | Kind::Driven) => integral(&|k| angle[k], 2),
+                    (Some(angle), Kind::Balance | Kind::Driven) => bump.integral(angle, 2),
                     _ => 0.0,
                 };
-                let change = body - integral(&|k| speed[k], 1);
-                let drive = integral(&|k| current[k], 0);
-                let spin = integral(&|k| speed[k], 0);
+                let change = body - bump.integral(speed, 1);
+                let drive = bump.integral(current, 0);
+                let spin = bump.integral(speed, 0);
                 wheel.push(&[drive, -spin], change);
             }
         });
@@ -80,14 +85,14 @@ pub fn ratios(records: &[&Record]) -> Ratios {
             continue;
         };
         let rate = record.channel(Output::Rate).map(|c| &c.samples);
-        bumps(record, BALANCE_BUMP_S, |integral| {
+        let (sine, cosine) = sines(&angle);
+        bumps(record, BALANCE_BUMP_S, |bump| {
             let (second, first) = match rate {
-                Some(rate) => (-integral(&|k| rate[k], 1), integral(&|k| rate[k], 0)),
-                None => (integral(&|k| angle[k], 2), -integral(&|k| angle[k], 1)),
+                Some(rate) => (-bump.integral(rate, 1), bump.integral(rate, 0)),
+                None => (bump.integral(&angle, 2), -bump.integral(&angle, 1)),
             };
-            let spin = -integral(&|k| speed.samples[k], 1);
-            let sine = integral(&|k| angle[k].sin(), 0);
-            let cosine = integral(&|k| angle[k].cos(), 0);
+            let spin = -bump.integral(&speed.samples, 1);
+            let (sine, cosine) = (bump.integral(&sine, 0), bump.integral(&cosine, 0));
             // Solved for the wheel's acceleration: its two large terms nearly cancel, and its noise is the largest.
             momentum.push(&[-second, -first, -sine, -cosine], spin);
         });

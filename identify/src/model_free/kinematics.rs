@@ -36,11 +36,11 @@ pub fn rate_against_angle(records: &[&Record]) -> Option<RateAgainstAngle> {
         else {
             continue;
         };
-        bumps(record, BUMP_S, |integral| {
+        bumps(record, BUMP_S, |bump| {
             let row = [
-                -integral(&|k| angle.samples[k], 1),
-                integral(&|_| 1.0, 0),
-                integral(&|k| rate.samples[k], 0),
+                -bump.integral(&angle.samples, 1),
+                bump.area(),
+                bump.integral(&rate.samples, 0),
             ];
             if row.iter().all(|value| value.is_finite()) {
                 left.extend_from_slice(&row[..2]);

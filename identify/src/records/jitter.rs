@@ -239,6 +239,9 @@ fn squares(time_s: &[f64], samples: &[f64], kinks: &[usize], order: usize) -> Op
         .collect();
     let mut found = Vec::with_capacity(n);
     let mut weights = vec![0.0; order + 1];
+    // Times relative to their first, and 1/Σ w². The weights are those of the times alone: an even clock has them once.
+    let mut known = vec![f64::NAN; order + 1];
+    let mut per_total = f64::NAN;
     for first in REACH..n - order - REACH {
         let last = first + order;
         let kink = kinks.partition_point(|&kink| kink + REACH < first);
@@ -246,21 +249,30 @@ fn squares(time_s: &[f64], samples: &[f64], kinks: &[usize], order: usize) -> Op
             continue;
         }
         let times = &time_s[first..=last];
-        for (i, weight) in weights.iter_mut().enumerate() {
-            let others = times.iter().enumerate().filter(|(j, _)| *j != i);
-            // In units of the whole span, so that the product neither overflows nor vanishes.
-            let product = others.map(|(_, other)| (times[i] - other) / (times[order] - times[0]));
-            *weight = 1.0 / product.product::<f64>();
+        // Times in a file are rounded; a millionth of a step changes nothing.
+        let least = 1e-6 * (times[order] - times[0]) / order as f64;
+        let mut pairs = times.iter().zip(&known);
+        if !pairs.all(|(time, known)| (time - times[0] - known).abs() <= least) {
+            for (known, time) in known.iter_mut().zip(times) {
+                *known = time - times[0];
+            }
+            for (i, weight) in weights.iter_mut().enumerate() {
+                let others = times.iter().enumerate().filter(|(j, _)| *j != i);
+                // In units of the whole span, so that the product neither overflows nor vanishes.
+                let product =
+                    others.map(|(_, other)| (times[i] - other) / (times[order] - times[0]));
+                *weight = 1.0 / product.product::<f64>();
+            }
+            per_total = 1.0 / weights.iter().map(|weight| weight * weight).sum::<f64>();
         }
-        let total: f64 = weights.iter().map(|weight| weight * weight).sum();
         let (mut difference, mut slope) = (0.0, 0.0);
         for (i, weight) in weights.iter().enumerate() {
             difference += weight * samples[first + i];
             slope += weight * weight * slopes[first + i].powi(2);
         }
-        let square = difference * difference / total;
+        let square = difference * difference * per_total;
         if square.is_finite() && slope.is_finite() {
-            found.push((square, slope / total));
+            found.push((square, slope * per_total));
         }
     }
     (found.len() >= FEWEST).then_some(found)

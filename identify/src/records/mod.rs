@@ -22,5 +22,5 @@ pub use noise::{input_noise_std, noise_std, resolution};
 pub(crate) use record::ToothStart;
 pub use record::{BALANCE_WINDOW_S, Output, Record, RecordedChannel, RecordedCurrent};
 pub(crate) use statistics::{StraightLine, median};
-pub use weak_form::bumps;
 pub(crate) use weak_form::{BUMP_S, Bump, FEWEST_HALF_SAMPLES, dot, half_samples};
+pub use weak_form::{WeakForm, bumps};

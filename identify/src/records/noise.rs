@@ -28,14 +28,29 @@ pub fn noise_std(samples: &[f64]) -> f64 {
     noise_by_differences(samples, &[]).std
 }
 
-/// The lower limits of [`noise_std`] for a channel with these samples, which must be finite.
-pub(crate) fn least_noise_std(finite: &[f64]) -> f64 {
-    let n = finite.len().max(1) as f64;
-    let mean = finite.iter().sum::<f64>() / n;
-    let spread = (finite.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
-    (resolution(finite) / 12f64.sqrt())
-        .max(RELATIVE_FLOOR * spread)
-        .max(1e-12)
+/// The lower limit of [`noise_std`] for a channel. The resolution needs the samples in order, which takes longer than
+/// all else about the noise of a dense log: it is computed once for what asks for it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NoiseFloor {
+    /// The step of a quantised channel, as [`resolution`] finds it.
+    pub(crate) resolution: f64,
+    /// The smallest standard deviation that the noise can have.
+    pub(crate) std: f64,
+}
+
+impl NoiseFloor {
+    /// The limit for a channel with these samples; those that are not finite are gaps.
+    pub(crate) fn of(samples: &[f64]) -> NoiseFloor {
+        let finite = samples.iter().copied().filter(|v| v.is_finite());
+        let n = finite.clone().count().max(1) as f64;
+        let mean = finite.clone().sum::<f64>() / n;
+        let spread = (finite.map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
+        let resolution = resolution(samples);
+        let std = (resolution / 12f64.sqrt())
+            .max(RELATIVE_FLOOR * spread)
+            .max(1e-12);
+        NoiseFloor { resolution, std }
+    }
 }
 
 /// A noise estimate, and the amount of data behind it.
@@ -50,17 +65,20 @@ pub(crate) struct NoiseEstimate {
 /// As [`noise_std`], with the number of differences. `kinks` are the samples, in rising order, at which the
 /// motion has a kink because the current steps there. No difference is taken across a kink.
 pub(crate) fn noise_by_differences(samples: &[f64], kinks: &[usize]) -> NoiseEstimate {
-    let finite: Vec<f64> = samples.iter().copied().filter(|v| v.is_finite()).collect();
-    if finite.len() < 2 {
+    noise_above(&NoiseFloor::of(samples), samples, kinks)
+}
+
+/// As [`noise_by_differences`], with the lower limit of these samples.
+pub(crate) fn noise_above(floor: &NoiseFloor, samples: &[f64], kinks: &[usize]) -> NoiseEstimate {
+    if samples.iter().filter(|v| v.is_finite()).count() < 2 {
         return NoiseEstimate {
             std: 1.0,
             differences: 0,
         };
     }
-    let floor = least_noise_std(&finite);
     let best = without_floor(samples, kinks);
     NoiseEstimate {
-        std: best.map_or(floor, |best| best.std.max(floor)),
+        std: best.map_or(floor.std, |best| best.std.max(floor.std)),
         differences: best.map_or(0, |best| best.differences),
     }
 }

@@ -6,7 +6,7 @@ pub use plant::Output;
 use plant::{Hold, Input, Kind};
 
 use super::early_steps::{Instant, StepTimes, UnknownStep};
-use super::noise::{least_noise_std, noise_by_differences, resolution, steps_of_command};
+use super::noise::{NoiseFloor, noise_above, steps_of_command};
 use super::past::Past;
 
 /// One measured channel.
@@ -23,27 +23,31 @@ pub struct RecordedChannel {
 }
 
 impl RecordedChannel {
-    /// A channel with this noise; `noise_std` is raised to the noise of the channel's own rounding if it is below.
-    fn new(output: Output, samples: Vec<f64>, noise_std: f64) -> RecordedChannel {
+    /// A channel with the noise that its differences show between these kinks.
+    fn new(output: Output, samples: Vec<f64>, kinks: &[usize]) -> RecordedChannel {
+        let floor = NoiseFloor::of(&samples);
+        let noise_std = noise_above(&floor, &samples, kinks).std;
         let mut channel = RecordedChannel {
             output,
             samples,
             noise_std,
             quantum: None,
         };
-        channel.set_noise(noise_std);
+        channel.set_noise_above(&floor, noise_std);
         channel
     }
 
     /// Replaces the standard deviation of the noise.
     pub(crate) fn set_noise(&mut self, noise_std: f64) {
-        let step = resolution(&self.samples);
-        let rounding_std = step / 12f64.sqrt();
-        let finite = self.samples.iter().copied().filter(|one| one.is_finite());
-        let finite: Vec<f64> = finite.collect();
-        self.noise_std = noise_std.max(least_noise_std(&finite));
+        self.set_noise_above(&NoiseFloor::of(&self.samples), noise_std);
+    }
+
+    /// As [`RecordedChannel::set_noise`], with the lower limit of these samples.
+    fn set_noise_above(&mut self, floor: &NoiseFloor, noise_std: f64) {
+        let rounding_std = floor.resolution / 12f64.sqrt();
+        self.noise_std = noise_std.max(floor.std);
         let is_quantised = rounding_std >= QUANTISED_SHARE * self.noise_std;
-        self.quantum = is_quantised.then_some(step);
+        self.quantum = is_quantised.then_some(floor.resolution);
     }
 }
 
@@ -173,8 +177,7 @@ impl Record {
             })
             .filter_map(|(output, samples)| {
                 let samples = samples?;
-                let noise_std = noise_by_differences(&samples, &kinks).std;
-                Some(RecordedChannel::new(output, samples, noise_std))
+                Some(RecordedChannel::new(output, samples, &kinks))
             })
             .collect();
         let passes_over_the_top = channels.iter().any(|channel: &RecordedChannel| {

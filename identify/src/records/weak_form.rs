@@ -29,37 +29,94 @@ fn bump(t: f64, (a, b): (f64, f64), order: usize) -> f64 {
     }
 }
 
-/// Calls `each` for every bump with a function `integrals(f, order)`. It returns ∫ f dᵒψ/dtᵒ dt by the trapezoidal
-/// rule, corrected at the ends for the first order. A bump lasts `bump_s` seconds, and at least twelve samples.
-/// Neighbouring bumps overlap by half.
-pub fn bumps(
-    record: &Record,
-    bump_s: f64,
-    mut each: impl FnMut(&dyn Fn(&dyn Fn(usize) -> f64, usize) -> f64),
-) {
+/// One bump over some samples of a record.
+pub struct WeakForm<'b> {
+    start: usize,
+    /// Weights of the samples for ψ and its first two derivatives.
+    weights: &'b [OnceCell<Vec<f64>>; 3],
+    time_s: &'b [f64],
+}
+
+impl WeakForm<'_> {
+    /// ∫ f dᵒψ/dtᵒ dt by the trapezoidal rule, corrected at the ends for the first order, for the samples f of a channel
+    /// of the whole record. The order o is 0, 1 or 2 (larger ones count as 2).
+    pub fn integral(&self, samples: &[f64], order: usize) -> f64 {
+        let weights = self.weights(order);
+        let samples = &samples[self.start..self.start + weights.len()];
+        // Four sums side by side: each waits for its own last addition only.
+        let mut sums = [0.0; 4];
+        let (of_weights, of_samples) = (weights.chunks_exact(4), samples.chunks_exact(4));
+        let rest: f64 = of_weights
+            .remainder()
+            .iter()
+            .zip(of_samples.remainder())
+            .map(|(weight, value)| weight * value)
+            .sum();
+        for (weights, values) in of_weights.zip(of_samples) {
+            for (sum, (weight, value)) in sums.iter_mut().zip(weights.iter().zip(values)) {
+                *sum += weight * value;
+            }
+        }
+        (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+    }
+
+    /// As [`WeakForm::integral`], for a function of the sample's index in the record.
+    pub fn integral_of(&self, f: impl Fn(usize) -> f64, order: usize) -> f64 {
+        dot(self.weights(order), (self.start..).map(f))
+    }
+
+    /// ∫ ψ dt, the weight of a constant.
+    pub fn area(&self) -> f64 {
+        self.weights(0).iter().sum()
+    }
+
+    fn weights(&self, order: usize) -> &[f64] {
+        let order = order.min(2);
+        self.weights[order].get_or_init(|| quadrature(self.time_s, order))
+    }
+}
+
+/// Calls `each` for every bump. A bump lasts `bump_s` seconds, and at least twelve samples. Neighbouring bumps overlap by
+/// half.
+pub fn bumps(record: &Record, bump_s: f64, mut each: impl FnMut(&WeakForm)) {
     let n = record.len();
     if n < BUMP_SAMPLES {
         return;
     }
     let mean_step = (record.time_s[n - 1] - record.time_s[0]) / (n - 1) as f64;
     let length = ((bump_s / mean_step).round() as usize).clamp(BUMP_SAMPLES, n);
-    let mut start = 0;
-    while start + length <= n {
-        let window = start..start + length;
-        let is_whole = record.weight[window.clone()].iter().all(|w| *w > 0.0);
-        // Every integral of an order has the same weights; a bump has several.
+    let is_whole = |start: usize| {
+        let mut weights = record.weight[start..start + length].iter();
+        weights.all(|weight| *weight > 0.0)
+    };
+    let mut starts = (0..=n - length)
+        .step_by((length / 2).max(1))
+        .filter(|&start| is_whole(start));
+    let mut next = starts.next();
+    while let Some(first) = next {
+        // The weights depend on the intervals between samples alone. An even clock has them once for all bumps.
+        let time_s = &record.time_s[first..first + length];
         let weights: [OnceCell<Vec<f64>>; 3] = Default::default();
-        let integral = |f: &dyn Fn(usize) -> f64, order: usize| {
-            let order = order.min(2);
-            let weights =
-                weights[order].get_or_init(|| quadrature(&record.time_s[window.clone()], order));
-            dot(weights, window.clone().map(f))
-        };
-        if is_whole {
-            each(&integral);
+        while let Some(start) = next
+            && (start == first || is_shifted(time_s, &record.time_s[start..start + length]))
+        {
+            each(&WeakForm {
+                start,
+                weights: &weights,
+                time_s,
+            });
+            next = starts.next();
         }
-        start += (length / 2).max(1);
     }
+}
+
+/// Whether two lists of times have the same intervals. Times in a file are rounded; a millionth of a step changes nothing.
+fn is_shifted(first: &[f64], second: &[f64]) -> bool {
+    let shift = second[0] - first[0];
+    let last = first.len() - 1;
+    let least = 1e-6 * (first[last] - first[0]) / last as f64;
+    let mut pairs = first.iter().zip(second);
+    pairs.all(|(a, b)| (b - a - shift).abs() <= least)
 }
 
 /// The weights of the samples at these times in ∫ f dᵒψ/dtᵒ dt for a bump over all of them, divided by (T/2)⁴ with its
@@ -129,4 +186,60 @@ pub(crate) fn half_samples(record: &Record, half_s: f64) -> usize {
     let n = record.len();
     let mean_step_s = (record.time_s[n - 1] - record.time_s[0]) / (n - 1).max(1) as f64;
     ((half_s / mean_step_s).round() as usize).clamp(FEWEST_HALF_SAMPLES, n)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use plant::Kind;
+
+    /// Every bump has the integrals of its own times, whether the clock is even, is rounded, changes its pace, or jitters;
+    /// a bump with a sample that does not count is left out.
+    #[test]
+    fn each_bump_has_the_weights_of_its_own_times() {
+        let even = |k: usize| 0.004 * k as f64;
+        let clocks: [&dyn Fn(usize) -> f64; 4] = [
+            &even,
+            &|k| (even(k) * 1e9).round() / 1e9,
+            &|k| even(k) + 0.002 * k.saturating_sub(700) as f64,
+            &|k| even(k) + 0.001 * (k as f64 * 1.7).sin(),
+        ];
+        for (clock, time) in clocks.iter().enumerate() {
+            let time_s: Vec<f64> = (0..1500).map(time).collect();
+            let angle: Vec<f64> = time_s.iter().map(|t| 0.3 + (9.7 * t).cos()).collect();
+            let outputs = [Some(angle.clone()), None, None];
+            let mut record = Record::new("x", Kind::FreeSwing, time_s, outputs, None, false);
+            record.weight[400] = 0.0;
+            let mut starts = vec![];
+            bumps(&record, BUMP_S, |bump| {
+                let length = bump.weights(0).len();
+                let window = bump.start..bump.start + length;
+                let area: f64 = bump.area();
+                for order in 0..3 {
+                    let own = quadrature(&record.time_s[window.clone()], order);
+                    let expected = dot(&own, angle[window.clone()].iter().copied());
+                    let size: f64 = own.iter().map(|weight| weight.abs()).sum();
+                    for found in [
+                        bump.integral(&angle, order),
+                        bump.integral_of(|k| angle[k], order),
+                    ] {
+                        let off = (found - expected).abs() / size;
+                        assert!(off < 1e-6, "clock {clock}, order {order}: {off}");
+                    }
+                }
+                // ∫ψ over a bump of length T is T⁵/30, in units of (T/2)⁴.
+                let span_s = record.time_s[window.end - 1] - record.time_s[window.start];
+                assert!((area / (span_s * 16.0 / 30.0) - 1.0).abs() < 0.02);
+                assert!(!window.contains(&400));
+                starts.push((bump.start, length));
+            });
+            let length = starts[0].1;
+            let expected: Vec<(usize, usize)> = (0..=1500 - length)
+                .step_by(length / 2)
+                .filter(|start| !(*start..start + length).contains(&400))
+                .map(|start| (start, length))
+                .collect();
+            assert_eq!(starts, expected, "clock {clock}");
+        }
+    }
 }
