@@ -152,7 +152,7 @@ impl FindingId {
                 "The time's unit contradicts the period of the pendulum or the controller's sample time; state `units`."
             }
             FindingId::TimeStamps => {
-                "Time stamps vary, leave gaps or repeat: log the time of the measurement, or state `time_step`."
+                "Time stamps vary, leave gaps or repeat: log the time of the measurement, or state `time_step`. Or commands change between two rows: the fit takes their instants as unknown."
             }
             FindingId::CurrentSign => {
                 "The wheel speeds up against its current: `sign = { current = -1 }`, or the wheel's."
