@@ -24,9 +24,7 @@ const SEVERAL: f64 = 1.5;
 /// The number of commands that the controller gave per row of a balance log, if that is more than one and the log does not
 /// show those between the rows; `None` else. A current that was measured is no command.
 pub fn commands_per_row(experiment: &Experiment, controller: Option<&Controller>) -> Option<f64> {
-    let is_commanded =
-        experiment.current_meaning == CurrentMeaning::Command && experiment.log.current_a.is_some();
-    if experiment.kind != Kind::Balance || !is_commanded {
+    if !is_commanded(experiment) {
         return None;
     }
     let steps = experiment.log.time_s.windows(2);

@@ -2,17 +2,17 @@
 //!
 //! A log of every n-th cycle of a controller, or of a host that sends commands when it likes, shows a new command with
 //! the first sample after the change. The motion shows when it changed: a step of the command bends the wheel's speed,
-//! and the lines before and after the bend meet at the instant of the change, also behind a
-//! lag. If these instants lie before their samples,
-//! or scatter, by more than their standard errors allow, the log does not know when its commands changed, and the fit
-//! treats each instant as an unknown within one interval ([`crate::Nuisance::EarlyStep`]). An unknown of 2 ms makes a
-//! wheel of the thesis' bench, at a step of 1 A, faster by 0.5 rad/s from then on, several times the noise of its sensor.
+//! and the lines before and after the bend meet at the instant of the change, also behind a lag. If these instants lie
+//! before their samples, or scatter, by more than their standard errors allow, the log does not know when its commands
+//! changed, and the fit treats each instant as an unknown within one interval ([`crate::Nuisance::EarlyStep`]). An unknown
+//! of 2 ms makes a wheel of the thesis' bench, at a step of 1 A, faster by 0.5 rad/s from then on.
 //!
 //! Instants that all lie equally late are left to the effects that say so: delay and lag of the motor.
 
 use nalgebra::{SMatrix, SVector};
 use plant::Kind;
 
+use super::jitter::step_s;
 use super::noise::resolution;
 use super::record::{Output, Record, RecordedCurrent};
 use super::statistics::median;
@@ -81,8 +81,8 @@ const CALM: f64 = 1.5;
 const MODEL_ERROR: f64 = 0.05;
 /// Standard deviations of a clock's jitter that count as its largest error.
 const JITTERS: f64 = 2.0;
-/// What is plain, in standard deviations of a Gaussian: chance reaches it in one log of 300,000. A false alarm costs
-/// little: the fit then finds the instants at their samples.
+/// What is plain, in standard deviations of a Gaussian: chance reaches it in one log of 300,000. A false alarm is not free:
+/// instants that all lie at their samples look like ones half an interval earlier behind a lag of the motor.
 const PLAIN: f64 = 4.5;
 /// The unknown instants of a log are one parameter each, and each costs a twelfth of a simulation with derivatives. A
 /// log with more steps keeps them as recorded.
@@ -92,16 +92,14 @@ impl Record {
     /// Finds out whether the commands of this log changed between its samples.
     pub(super) fn find_early_steps(&mut self) {
         self.instants = self.instants_of_steps();
-        self.step_times = step_times(&self.instants, self.mean_interval_s());
+        self.step_times = step_times(&self.instants, step_s(&self.time_s));
         if self.step_times.is_some() {
             self.take_instants_as_unknown();
         }
     }
 
     fn instants_of_steps(&self) -> Vec<Instant> {
-        let commanded = matches!(self.current, RecordedCurrent::Known(_));
-        let drives = matches!(self.kind, Kind::SpinUp | Kind::Driven);
-        if !drives || !commanded || self.current_is_measured {
+        if !self.follows_commands() {
             return vec![];
         }
         let kinks = self.kinks();
@@ -109,6 +107,13 @@ impl Record {
         (0..kinks.len())
             .filter_map(|at| self.instant(&kinks, at, answer))
             .collect()
+    }
+
+    /// Whether recorded commands move the wheel, and no controller gives them.
+    fn follows_commands(&self) -> bool {
+        let is_commanded = matches!(self.current, RecordedCurrent::Known(_));
+        let is_driven = matches!(self.kind, Kind::SpinUp | Kind::Driven);
+        is_driven && is_commanded && !self.current_is_measured
     }
 
     fn take_instants_as_unknown(&mut self) {
@@ -141,13 +146,8 @@ impl Record {
         let usual_s = median(intervals.clone()).unwrap_or(0.0);
         // What intervals have in common is no digit.
         let differences: Vec<f64> = intervals.map(|interval_s| interval_s - usual_s).collect();
-        let digit_s = resolution(&differences).min(self.mean_interval_s());
+        let digit_s = resolution(&differences).min(step_s(&self.time_s));
         0.5 * digit_s + JITTERS * self.clock_jitter_s.unwrap_or(0.0)
-    }
-
-    fn mean_interval_s(&self) -> f64 {
-        let ends = self.time_s.first().zip(self.time_s.last());
-        ends.map_or(0.0, |(first, last)| last - first) / self.len().saturating_sub(1).max(1) as f64
     }
 
     /// The instant of the step at `kinks[at]`, for this answer of the wheel's speed; `None` where the wheel's speed does not show it.
@@ -212,7 +212,7 @@ impl Record {
         let Some(channel) = self.channel(Output::WheelSpeed) else {
             return Answer::AT_ONCE;
         };
-        let interval_s = self.mean_interval_s();
+        let interval_s = step_s(&self.time_s);
         let around: Vec<_> = (0..kinks.len())
             .map(|at| self.around(kinks, at, SAMPLES_OF_LAG))
             .collect();
@@ -254,19 +254,18 @@ impl Answer {
 }
 
 /// Where the logs of a bench say together that commands changed between samples, takes the instants of all their steps
-/// as unknown: one logger wrote them.
+/// as unknown: one logger wrote them. A log in which something else than the interval moves the instants says nothing.
 pub(crate) fn join_early_steps(records: &mut [Record]) {
-    let n: usize = records.iter().map(|record| record.instants.len()).sum();
-    let square: f64 = records
+    let shown = records
         .iter()
-        .map(|record| about_common(&record.instants))
-        .sum();
+        .filter(|record| lie_in_an_interval(&record.instants, step_s(&record.time_s)));
+    let n: usize = shown.clone().map(|record| record.instants.len()).sum();
+    let square: f64 = shown.map(|record| about_common(&record.instants)).sum();
     if n == 0 || !plainly_above(square, n as f64) {
         return;
     }
     for record in records {
-        let drives = matches!(record.kind, Kind::SpinUp | Kind::Driven);
-        if drives && !record.current_is_measured && record.unknown_steps.is_empty() {
+        if record.follows_commands() && record.unknown_steps.is_empty() {
             record.take_instants_as_unknown();
         }
     }
@@ -291,24 +290,26 @@ fn about_common(found: &[Instant]) -> f64 {
     squares.sum()
 }
 
+/// Standard deviation of the instants, s.
+fn scatter_s(found: &[Instant]) -> f64 {
+    let mean_s = mean_s(found);
+    let squares = found.iter().map(|one| (one.late_s - mean_s).powi(2));
+    (squares.sum::<f64>() / found.len() as f64).sqrt()
+}
+
+/// Whether the instants scatter by less than an interval, and do not lie far before their samples; else it is not the
+/// interval that hides them.
+fn lie_in_an_interval(found: &[Instant], interval_s: f64) -> bool {
+    scatter_s(found) < interval_s && mean_s(found) > -1.5 * interval_s
+}
+
 /// What the instants of a log say, where they plainly lie before their samples or scatter.
 fn step_times(found: &[Instant], interval_s: f64) -> Option<StepTimes> {
-    if found.is_empty() {
-        return None;
-    }
-    let n = found.len() as f64;
-    let mean_s = mean_s(found);
-    let scatter_s = (found
-        .iter()
-        .map(|one| (one.late_s - mean_s).powi(2))
-        .sum::<f64>()
-        / n)
-        .sqrt();
-    // Beyond an interval it is not the interval that hides the instant.
-    let within = scatter_s < interval_s && mean_s > -1.5 * interval_s;
-    (within && plainly_above(about_common(found), n)).then_some(StepTimes {
-        earlier_s: -mean_s,
-        scatter_s,
+    let is_plain = lie_in_an_interval(found, interval_s)
+        && plainly_above(about_common(found), found.len() as f64);
+    is_plain.then(|| StepTimes {
+        earlier_s: -mean_s(found),
+        scatter_s: scatter_s(found),
         steps: found.len(),
     })
 }

@@ -183,7 +183,7 @@ fn slope_is_plain(time_s: &[f64], found: &[(f64, f64)]) -> bool {
 }
 
 /// The mean interval between samples, s.
-fn step_s(time_s: &[f64]) -> f64 {
+pub(super) fn step_s(time_s: &[f64]) -> f64 {
     let ends = time_s.first().zip(time_s.last());
     let intervals = time_s.len().saturating_sub(1).max(1) as f64;
     ends.map_or(0.0, |(first, last)| last - first) / intervals
